@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -29,7 +31,38 @@ struct Options {
     double next_depth_m = usual_depth_m;
     int first = 0, next = 0;
     bool stream = false, forget = false, json = false, no_rival = false, live = false;
+    std::set<std::string> given;  ///< of the options that a file which has learned keeps
 };
+
+/// How to learn, as a file keeps it: each option, what it sets, and how its value reads.
+struct Kept {
+    const char* option;
+    void (*set)(AdaptOptions& to, const AdaptOptions& from);
+    std::string (*text)(const AdaptOptions&);
+};
+const Kept kept_options[] = {
+    {"--unknowns", [](AdaptOptions& to, const AdaptOptions& from) { to.unknowns = from.unknowns; }, [](const AdaptOptions& o) { return o.unknowns; }},
+    {"--no-rival", [](AdaptOptions& to, const AdaptOptions& from) { to.rival = from.rival; }, [](const AdaptOptions& o) { return std::string(o.rival ? "off" : "on"); }},
+    {"--noise", [](AdaptOptions& to, const AdaptOptions& from) { to.force_noise = from.force_noise; }, [](const AdaptOptions& o) { return fmt::format("{:g}", o.force_noise); }},
+    {"--model-error", [](AdaptOptions& to, const AdaptOptions& from) { to.model_error = from.model_error; }, [](const AdaptOptions& o) { return fmt::format("{:g}", o.model_error); }},
+    {"--place-error", [](AdaptOptions& to, const AdaptOptions& from) { to.place_error_m = from.place_error_m; }, [](const AdaptOptions& o) { return fmt::format("{:g}", o.place_error_m); }},
+    {"--readings", [](AdaptOptions& to, const AdaptOptions& from) { to.at_rest = from.at_rest; }, [](const AdaptOptions& o) { return std::string(o.at_rest ? "long-term" : "instantaneous"); }},
+};
+
+/// The file as it goes on learning: by the options that it was begun with. Another value of one is refused; with --forget it applies.
+std::unique_ptr<Adaptation> to_go_on(const Options& o) {
+    std::unique_ptr<Adaptation> adaptation = read_adaptation(o.model, o.adapt);
+    if (o.given.count("--readings") > 0 && adaptation->base().energy_law->relaxation.empty())
+        throw MismatchError(o.model + ": does not relax; --readings is of tissue that does");
+    AdaptOptions wanted = adaptation->options();
+    for (const Kept& k : kept_options) {
+        if (o.given.count(k.option) == 0) continue;
+        k.set(wanted, o.adapt);
+        if (const std::string begun = k.text(adaptation->options()), asked = k.text(wanted); !o.forget && begun != asked)
+            throw MismatchError(fmt::format("{}: has learned with {} {}, not {}: leave the option out, or begin again with --forget", o.model, k.option, begun, asked));
+    }
+    return o.forget ? std::make_unique<Adaptation>(adaptation->base(), wanted) : std::move(adaptation);
+}
 
 /// |model - reading| / |reading| over pokes that nothing is learned from; one that the law has no answer to is missing, and one that is none of this
 /// tissue (push_refusal) or has no force is no reference (eval/statistics.h).
@@ -135,6 +168,17 @@ class Lines {
     std::vector<Poke> held_out_;
 };
 
+/// One line where readings that were not believed are off as a whole by what no tissue is.
+void doubt_unit(const std::string& name, std::vector<double> times) {
+    constexpr std::size_t few = 3;
+    constexpr double factor = 100;
+    if (times.size() < few) return;
+    std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
+    const double median = times[times.size() / 2];
+    if (median < factor && median > 1 / factor) return;
+    std::cerr << fmt::format("adapt {}: warning: {} readings that were not believed are {:.2g} times the force expected: is a unit in the header wrong (N or mN, m or mm)?\n", name, times.size(), median);
+}
+
 void run(const Options& o, Provenance provenance) {
     provenance.inputs[std::filesystem::path(o.model).filename().string()] = file_hash(o.model);
     const bool standard_input = o.data == "-";
@@ -145,9 +189,8 @@ void run(const Options& o, Provenance provenance) {
         provenance.inputs[std::filesystem::path(o.data).filename().string()] = text_hash(text);
         read_once.str(std::move(text));
     }
-    const std::unique_ptr<Adaptation> adaptation = o.live ? live_adaptation(o.model) : read_adaptation(o.model, o.adapt);
-    if (o.forget) adaptation->forget();
-    if (!o.live) adaptation->read_at_rest(o.readings == "long-term");
+    const std::unique_ptr<Adaptation> adaptation = o.live ? live_adaptation(o.model) : to_go_on(o);
+    if (o.live && o.forget) adaptation->forget();
     const int D = adaptation->base().mesh.dimension();
     Lines lines(o, D);
     lines.begin(*adaptation);
@@ -163,6 +206,7 @@ void run(const Options& o, Provenance provenance) {
         whole.push_back(std::move(*row));
     }
     int read = 0;
+    std::vector<double> gated;  // force read over force expected
     while (o.first == 0 || read < o.first) {
         const auto row = o.stream ? rows->next() : read < static_cast<int>(whole.size()) ? std::optional(whole[static_cast<std::size_t>(read)]) : std::nullopt;
         if (!row) break;
@@ -173,11 +217,13 @@ void run(const Options& o, Provenance provenance) {
         }
         const PokeAnswer answer = adaptation->learn(row->poke);
         lines.poke(row->line, row->poke, answer, *adaptation);
+        if (answer.status == PokeStatus::gated) gated.push_back(row->poke.force_N.norm() / answer.expected_N.norm());
         if (!o.stream) continue;
         if (answer.status == PokeStatus::learned) write_adapted_model(o.out, *adaptation, provenance);
         lines.next(*adaptation);
     }
     if (read == 0) throw FileError(name + ": has no rows");
+    doubt_unit(name, gated);
     write_adapted_model(o.out, *adaptation, provenance);
     if (!o.stream) lines.next(*adaptation);
     const Adaptation::State& state = adaptation->state();
@@ -191,13 +237,13 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
         "adapt", "Learn from pokes of a tissue that is not the one trained on, one by one: a model that has become it, and how well it knows it.");
-    command->add_option("model", o->model, "model.h5 whose stiffness is a law; one that has learned goes on learning")->required()->type_name("FILE");
+    command->add_option("model", o->model, "model.h5 whose stiffness is a law; one that has learned goes on learning, with the options that it has learned with")->required()->type_name("FILE");
     command->add_option("--data", o->data, "pokes, CSV as of measured contacts; - is standard input")->required()->type_name("FILE");
     command->add_option("--out", o->out, "model.h5 to write, whole or not at all")->required()->type_name("FILE");
     command->add_flag("--stream", o->stream, "learn from lines as they come: a bad one is refused and told, the model written after every poke");
     command->add_option("--held-out", o->held_out, "pokes to try it on after each, never to learn from")->type_name("FILE");
     command->add_option("--first", o->first, "learn from so many rows alone; 0: all")->type_name("count")->capture_default_str()->check(CLI::Range(0, 100000000));
-    command->add_flag("--forget", o->forget, "begin with the law as it was trained");
+    command->add_flag("--forget", o->forget, "begin with the law as it was trained, by the options given and those that the file has");
     command->add_option("--next", o->next, "name so many places where to poke next, worth most first")->type_name("count")->capture_default_str()->check(CLI::Range(0, 1000));
     command->add_option("--next-depth", o->next_depth_m, "of those pushes")->type_name("m")->capture_default_str()->check(CLI::Range(1e-4, 0.1));
     command->add_option("--unknowns", o->adapt.unknowns, "what may be another: scale, terms, field or elements")->type_name("NAME")->capture_default_str()->check(CLI::IsMember(unknown_kinds()));
@@ -208,11 +254,14 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
         ->type_name("WORD")->capture_default_str()->check(CLI::IsMember({"long-term", "instantaneous"}));
     command->add_option("--place-error", o->adapt.place_error_m, "standard deviation of a contact's place along the surface")->type_name("m")->capture_default_str()->check(CLI::Range(0.0, 0.05));
     CLI::Option* live = command->add_flag("--live", o->live, "learn as a session does, from its --journal: contacts 0.001 m unsure, at most 4.5 times as stiff or as soft");
-    for (const char* set : {"--unknowns", "--no-rival", "--noise", "--model-error", "--readings", "--place-error"}) live->excludes(command->get_option(set));
+    for (const Kept& k : kept_options) live->excludes(command->get_option(k.option));
     command->add_flag("--json", o->json, "a line of JSON a poke on standard output");
     command->callback([o, command, &invocation] {
         echo_options(*command);
         o->adapt.rival = !o->no_rival;
+        o->adapt.at_rest = o->readings == "long-term";
+        for (const Kept& k : kept_options)
+            if (command->count(k.option) > 0) o->given.insert(k.option);
         run(*o, {invocation.command, 0, {}});
     });
 }

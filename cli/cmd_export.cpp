@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <numeric>
 
 #include "cases/load_path.h"
 #include "command.h"
@@ -44,7 +45,11 @@ void export_cases(const Options& o) {
     if (o.to == "csv") return write_files(o.out, csv_files(cases, paths));
     if (cases.measurement) throw MismatchError(o.file + ": holds measured forces, and no displacement of the tissue that could be drawn; --to csv has them");
     Files files;
-    for (const LoadPath* path : paths) files.merge(path_vtu(cases, *path));
+    for (const LoadPath* path : paths) {
+        if (path->records.empty()) std::cerr << "tissuectl export: " << path->name << ", left out: finite elements lost it before its first record: " << path->lost << '\n';
+        files.merge(path_vtu(cases, *path));
+    }
+    if (files.empty()) throw MismatchError(o.file + ": no load path has a record; nothing is written");
     write_files(o.out, files);
 }
 
@@ -62,7 +67,7 @@ void export_surfaces(const Options& o, const TissueModel& model) {
             continue;
         }
         const Point contact_m = model.contact_m.row(c.load_case).transpose();
-        const PressedSurface pressed{surface, name, surface.moved(press.seen(contact_m, c.push_m, c.state.displacement)), contact_m, c.push_m, c.state.contact_force};
+        const PressedSurface pressed{surface, name, surface.moved(press.of(model.radius_of(c.load_case)).seen(contact_m, c.push_m, c.state.displacement)), contact_m, c.push_m, c.state.contact_force};
         files[name + "." + o.to] = o.to == "vtp" ? surface_vtp(pressed) : surface_glb(pressed);
     }
     if (files.empty()) throw MismatchError(o.file + ": no press has an answer; nothing is written");
@@ -91,9 +96,8 @@ void export_law(const Options& o, const TissueModel& model) {
 /// What of a law is no dataset of its file.
 Files law_arrays(const TissueModel& model) {
     if (!model.mesh.is_solid()) return npy_files(law_tables(model));
-    std::vector<int> load_cases;
-    for (int c = 0; c < model.case_count(); ++c)
-        if (model.is_own_case(c)) load_cases.push_back(c);
+    std::vector<int> load_cases(static_cast<std::size_t>(model.case_count()));
+    std::iota(load_cases.begin(), load_cases.end(), 0);
     return npy_files(solid_law_tables(model), contact_table(model, load_cases));
 }
 

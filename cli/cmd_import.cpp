@@ -47,6 +47,7 @@ void run(const Options& o, Provenance provenance) {
                                  count("validation"), count("held_out"));
     }
     for (const std::string& doubt : measured_doubts(study, table)) std::cerr << fmt::format("import {}: warning: {}\n", o.data, doubt);
+    for (const std::string& doubt : measured_doubts(study, cases.histories)) std::cerr << fmt::format("import {}: warning: {}\n", o.histories, doubt);
     for (const std::string& line : m.outliers) std::cerr << fmt::format("import {}: outlier, kept: {}\n", o.data, line);
 }
 

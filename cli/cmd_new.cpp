@@ -74,8 +74,8 @@ void add_new(CLI::App& app, const Invocation&) {
     command->add_option("--held", o->study.held, "its named curves, in space surfaces or regions [m], that are held: 'below z = 0.01', 'ball X Y Z radius R', 'box X Y Z to X Y Z', 'within D of FILE'; without it names are listed")->type_name("NAME|REGION..");
     command->add_option("--bed", o->study.bed_Pa_m, "in space, stiffness per area of an elastic bed under what is held (fat of 2000 Pa, 0.01 m thick: 200000); without it what is held does not move")->type_name("Pa/m")->check(CLI::Range(bed_least_Pa_m, bed_most_Pa_m));
     command->add_option("--preset", o->study.preset, "material: brain, liver, muscle, or another of fem/materials")->type_name("NAME")->capture_default_str();
-    command->add_option("--size", o->size_m, "length of the springs, in space edge of their cubes; default: an eighth of the tissue's mean size, in space a third of its shortest side if that is less")->type_name("m")->check(CLI::PositiveNumber);
-    command->add_option("--thickness", o->study.thickness_m, "of the slice, in the plane")->type_name("m")->check(CLI::PositiveNumber)->capture_default_str();
+    command->add_option("--size", o->size_m, "length of the springs, in space edge of their cubes; default: an eighth of the tissue's mean size, in space a third of its shortest side if that is less")->type_name("m")->check(is_positive());
+    command->add_option("--thickness", o->study.thickness_m, "of the slice, in the plane")->type_name("m")->check(is_positive())->capture_default_str();
     command->add_option("--folder", o->folder, "where studies stand")->type_name("FOLDER")->capture_default_str();
     command->callback([o] { run(*o); });
 }

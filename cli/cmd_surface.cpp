@@ -111,8 +111,8 @@ void add_surface(CLI::App& app, const Invocation&) {
     command->add_option("file", o->file, std::string("the surface: ") + surface_endings)->required()->type_name("FILE");
     add_unit_option(*command, o->unit);
     command->add_option("--repair", o->out, "write a closed surface without crossings that lies about it, in the same unit, without names of groups")->type_name("OUT.stl");
-    command->add_option("--closes", o->closes_m, "holes, gaps and cavities narrower than this are closed; default: a fiftieth of the extent")->type_name("m")->check(CLI::PositiveNumber)->needs("--repair");
-    command->add_option("--offset", o->offset_m, "how far outside of the given surface the new one lies; default: a twentieth of --closes")->type_name("m")->check(CLI::PositiveNumber)->needs("--repair");
+    command->add_option("--closes", o->closes_m, "holes, gaps and cavities narrower than this are closed; default: a fiftieth of the extent")->type_name("m")->check(is_positive())->needs("--repair");
+    command->add_option("--offset", o->offset_m, "how far outside of the given surface the new one lies; default: a twentieth of --closes")->type_name("m")->check(is_positive())->needs("--repair");
     command->add_flag("--json", o->json, "print JSON");
     command->callback([o] { run(*o); });
 }

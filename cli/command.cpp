@@ -3,13 +3,39 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
+#include <set>
 
 #include "generate.h"
 
 namespace tissue::cli {
 
 const std::map<std::string, double> units_m = {{"mm", 0.001}, {"cm", 0.01}, {"m", 1}, {"inch", 0.0254}};
+
+const CLI::Validator& is_number() {
+    static const CLI::Validator check([](std::string& given) { return CLI::detail::to_lower(given).find("nan") == std::string::npos ? std::string() : given + " is no number"; }, "");
+    return check;
+}
+
+const CLI::Validator& is_positive() {
+    static const CLI::Validator check(
+        [](std::string& given) {
+            double value = 0;
+            return CLI::detail::lexical_cast(given, value) && value > 0 && std::isfinite(value) ? std::string() : given + " is no finite number above 0";
+        },
+        "");
+    return check;
+}
+
+void refuse_nan(CLI::App& program) {
+    for (CLI::App* command : program.get_subcommands({}))
+        for (CLI::Option* option : command->get_options([](const CLI::Option* o) {
+                 static const std::set<std::string> units = {"m", "s", "1", "N", "kg", "Hz", "Pa/m", "Ns/m", "N/m", "rad", "m/s", "N/s"};
+                 return units.count(o->get_type_name()) > 0;
+             }))
+            option->check(is_number());
+}
 
 void add_unit_option(CLI::App& command, std::string& unit) {
     command.add_option("--unit", unit, "of the file's numbers: mm, cm, m or inch")->check(CLI::IsMember({"mm", "cm", "m", "inch"}))->type_name("unit")->capture_default_str();

@@ -40,6 +40,12 @@ void add_doctor(CLI::App& app, const Invocation& invocation);
 extern const std::map<std::string, double> units_m;
 void add_unit_option(CLI::App& command, std::string& unit);
 
+/// Checks of an option's text. CLI11's own ranges let NaN through, which is neither less nor more, and its positive numbers end at one of 309 digits.
+const CLI::Validator& is_number();
+const CLI::Validator& is_positive();
+/// Every number of a program's commands, by its unit: NaN is none.
+void refuse_nan(CLI::App& program);
+
 /// Prints the options in use, given and default, on standard error: "tissuectl train: study=... threads=2".
 void echo_options(const CLI::App& command);
 

@@ -1,5 +1,6 @@
 #include "haptic_options.h"
 
+#include "command.h"
 #include "error.h"
 #include "io/one_line.h"
 
@@ -17,12 +18,6 @@ void or_usage(Act act, const std::string& of = "") {
     } catch (const MismatchError& e) {
         throw CLI::ValidationError(of + one_line(e.what()));
     }
-}
-
-/// CLI11's ranges let NaN through: it is neither less nor more.
-const CLI::Validator& is_number() {
-    static const CLI::Validator check([](std::string& given) { return CLI::detail::to_lower(given).find("nan") == std::string::npos ? std::string() : given + " is no number"; }, "");
-    return check;
 }
 
 }  // namespace

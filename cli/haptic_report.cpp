@@ -168,8 +168,8 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
     for (const PressResult& p : presses) {
         against_static.push_back(p.reason.empty() ? p.static_error : missing);
         const double unanswered = p.fe_asked ? missing : nothing;
-        against_fe.push_back(p.reason.empty() ? p.fe_error.value_or(nothing) : unanswered);
-        static_against_fe.push_back(p.reason.empty() ? p.static_fe_error.value_or(nothing) : unanswered);
+        against_fe.push_back(p.reason.empty() ? p.fe_error.value_or(unanswered) : unanswered);
+        static_against_fe.push_back(p.reason.empty() ? p.static_fe_error.value_or(unanswered) : unanswered);
         Json entry = {{"name", p.name}, {"rested", p.rested}, {"seconds", p.seconds}};
         if (!model.is_law()) entry["set"] = p.set;
         if (p.reason.empty()) {

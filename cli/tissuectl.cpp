@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
     add_info(app, invocation);
     add_export(app, invocation);
     add_doctor(app, invocation);
+    refuse_nan(app);
     try {
         if (generated(app, argc, argv)) return printed(app);
         if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {

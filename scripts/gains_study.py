@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent / "figures")]
+import needs  # noqa: E402, F401, I001  (before what may be missing)
 from gains.draw import draw  # noqa: E402
 from gains.page import page  # noqa: E402
 from gains.questions import MESHES, questions  # noqa: E402

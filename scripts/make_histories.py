@@ -8,12 +8,11 @@ are within 2 mm of one fitted to, 50 readings a second. Noise: Gaussian, on each
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
-from one_line import reading  # noqa: E402
 from save import written  # noqa: E402
+from stored import stored  # noqa: E402
 
 SEED, NOISE, RATE_HZ = 20261123, 0.02, 50
 APART_MM = 2
@@ -34,7 +33,7 @@ def main():
              f"# branches of 0.30, 0.25, 0.20 at 0.05, 1, 10 s), {RATE_HZ} readings a second, with Gaussian noise of {100 * NOISE:g} % of a history's largest",
              f"# force on each component, seed {SEED}. Written by scripts/make_histories.py.",
              "history,kind,time [s],contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN],role"]
-    with reading(sys.argv[1]), h5py.File(sys.argv[1]) as cases:
+    with stored(sys.argv[1]) as cases:
         h = cases["histories"]
         names, kinds, lost = (h[key].asstr()[:] for key in ("name", "group", "lost"))
         first = h["offset"][:]

@@ -9,12 +9,11 @@ Every press three times. Noise: Gaussian, on each component of force 2 % of the 
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
-from one_line import reading  # noqa: E402
 from save import written  # noqa: E402
+from stored import stored  # noqa: E402
 
 SEED, REPEATS, FORCE_NOISE, DISPLACEMENT_NOISE_M = 20261121, 3, 0.02, 0.05e-3
 SPACING_M, APART_M, ANGLES_DEG, DEPTHS_M, DEEPEST_M = 5e-3, 2e-3, (-40, 0, 40), (2.5e-3, 5e-3, 10e-3), 10e-3
@@ -73,7 +72,7 @@ def main():
              f"# each of displacement, seed {SEED}. Written by scripts/make_measured.py.",
              "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN],push,repeat,"
              "role"]
-    with reading(sys.argv[1]), h5py.File(sys.argv[1]) as cases:
+    with stored(sys.argv[1]) as cases:
         pressed = list(presses(cases))
     for push, (role, contact, displacement, force) in enumerate(pressed, 1):
         for repeat in range(1, REPEATS + 1):

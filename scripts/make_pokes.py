@@ -8,12 +8,12 @@ import argparse
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
-from one_line import reading, say  # noqa: E402
+from one_line import say  # noqa: E402
 from save import written  # noqa: E402
+from stored import stored  # noqa: E402
 
 
 def pokes(cases, role):
@@ -35,7 +35,7 @@ def main():
     parser.add_argument("--outliers", type=float, default=0, help="part of the pokes whose force is read ten times too large (default 0)")
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    with reading(options.cases), h5py.File(options.cases) as cases:
+    with stored(options.cases) as cases:
         rows = list(pokes(cases, options.role))
     if not rows:
         say(options.cases, f"has no path of role {options.role}")

@@ -9,13 +9,13 @@ import time
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parent / "figures"), "build/release/python"]
-import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 import tissue  # noqa: E402
-from peers_study import SECONDS, ask, spread, ticks_of  # noqa: E402
-from one_line import read_json, reading  # noqa: E402
+from peers_study import SECONDS, ask, off, quantiles, spread, ticks_of  # noqa: E402
+from one_line import read_json  # noqa: E402
 from results import EVALUATION  # noqa: E402
 from save import save, written  # noqa: E402
+from stored import stored  # noqa: E402
 
 FITTED = 6  # validation contacts that a peer's factor is fitted to
 
@@ -31,10 +31,10 @@ class Organ:
         for argument, what in (("-beds", "an elastic bed"), ("-nodule_radius", "a nodule"), ("-regions", "regions")):
             if f" {argument} " in plan:
                 sys.exit(f"peers_organ.py: {folder}: has {what}, and the peers get one material on a bed that does not move")
-        with reading(f"{folder}/cases.h5"), h5py.File(f"{folder}/cases.h5") as f:
+        with stored(f"{folder}/cases.h5") as f:
             if "shape/tetrahedra" not in f:
                 sys.exit(f"peers_organ.py: {folder}/cases.h5 is of no solid shape")
-        with reading(f"{folder}/model.h5"), h5py.File(f"{folder}/model.h5") as f:
+        with stored(f"{folder}/model.h5") as f:
             own = len(f["mesh/lattice/corner"])
             self.nodes, self.tetrahedra, self.facets = f["mesh/nodes"][:own], f["mesh/tetrahedra"][()], f["mesh/facets"][()]
             self.held = f["mesh/fixed"][()]
@@ -81,25 +81,10 @@ class Organ:
                 "outward": outward.tolist(), "pushes": [[c.tolist(), p.tolist()] for c, p in zip(contacts, pushes)]}
 
 
-def off(answers, truth):
-    """Relative errors in per cent, of vectors or of fields; without an answer infinite."""
-    return np.array([np.inf if a is None or not np.isfinite(a).all() else 100 * np.linalg.norm(np.array(a) - t) / np.linalg.norm(t) for a, t in zip(answers, truth)])
-
-
 def factor(answers, truth):
     """What answers are multiplied with so that their errors relative to the truth are least in the mean square."""
     there = [(np.array(a) / np.linalg.norm(t), t / np.linalg.norm(t)) for a, t in zip(answers, truth) if a is not None and np.isfinite(a).all()]
     return sum(a @ t for a, t in there) / sum(a @ a for a, t in there) if there else np.nan
-
-
-def quantiles(errors):
-    """Median / p95 (n of N), as `tissuectl eval` has them; what has no answer counts as infinite."""
-    there, n = np.sort(errors), len(errors)
-    words = []
-    for place in (0.5 * (n - 1), 0.95 * (n - 1)):
-        low, high = there[int(np.floor(place))], there[int(np.ceil(place))]
-        words.append(f"{low + (place % 1) * (high - low):.3g}" if np.isfinite(high) else "none")
-    return " / ".join(words) + f" ({np.isfinite(errors).sum()} of {n})"
 
 
 def ours(model, organ):

@@ -114,7 +114,7 @@ def main():
     for study in sys.argv[1:]:
         results = ROOT / "results" / study
         evaluations[study] = read_json(results / "eval.json", reference_record.EVALUATION)
-        reference_record.write(REFERENCE / f"{study}.json", reference_record.of(results, "make reference"))
+        reference_record.write(REFERENCE / f"{study}.json", reference_record.of(results, f"make all STUDY={study}"))
     for study, figure, name in SHOWN:
         if study in evaluations:
             with written(REFERENCE / f"{name}.png") as beside:

@@ -21,12 +21,12 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-import h5py
 import numpy as np
 
 sys.path.insert(1, str(Path(__file__).resolve().parent / "figures"))
 from one_line import fitted, read_json  # noqa: E402
 from save import written  # noqa: E402
+from stored import stored  # noqa: E402
 
 SCHEMA = 2
 FOLDER = Path(__file__).resolve().parent.parent / "results" / "reference"
@@ -90,6 +90,17 @@ def text(value):
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
+def commit():
+    """The checkout's commit, with + where files differ from it; - where there is no git."""
+    def git(*words):
+        said = subprocess.run(["git", "-C", str(FOLDER.parent.parent), *words], capture_output=True, text=True, check=True)
+        return said.stdout.strip()
+    try:
+        return git("rev-parse", "--short", "HEAD") + ("+" if git("status", "--porcelain", "-uno") else "")
+    except (OSError, subprocess.CalledProcessError):
+        return "-"
+
+
 # ---- what is in a record
 
 def of(results, command):
@@ -99,10 +110,10 @@ def of(results, command):
     evaluation.get("lost", {}).pop("train", None)  # `paths` says it
     if not evaluation.get("lost"):
         evaluation.pop("lost", None)
-    with h5py.File(results / "cases.h5") as cases, h5py.File(results / "model.h5") as model:
+    with stored(results / "cases.h5") as cases, stored(results / "model.h5") as model:
         return rounded({
             "schema": SCHEMA,
-            "made": {"command": command, "date": datetime.date.today().isoformat(), "version": evaluation["version"]},
+            "made": {"command": command, "commit": commit(), "date": datetime.date.today().isoformat(), "version": evaluation["version"]},
             "machine": machine(),
             "study": evaluation["study"],
             "seed": evaluation["seed"],

@@ -2,6 +2,7 @@
 
 A record is short of what eval.json has: a cell that it cannot fill is UNKNOWN.
 """
+import re
 
 UNKNOWN = "?"
 LABELS = {
@@ -280,7 +281,7 @@ def two(statistics):
 
 
 def patient_rows(text, way="field, told where"):
-    """Of patient.md: patient -> what it is, and its errors by number of pokes, as they stand there."""
+    """Of patient.md: patient -> what it is, its errors by number of pokes, as they stand there, and n of N that have an answer everywhere."""
     rows = {}
     for section in text.split("\n## ")[1:]:
         head, *lines = section.splitlines()
@@ -288,15 +289,16 @@ def patient_rows(text, way="field, told where"):
         found = [row for row in table if row[0] == way]
         if found:
             patient, _, what = head.partition(": ")
-            rows[patient] = what, dict(zip(map(int, table[0][1:]), found[0][1:]))
+            answered = next(re.match(r"Answered at (\d+ of \d+) ", line)[1] for line in lines if line.startswith("Answered at "))
+            rows[patient] = what, dict(zip(map(int, table[0][1:]), found[0][1:])), answered
     return rows
 
 
 def patient_table(patients):
     shown = (0, 1, 5, 10, 20, 40)
-    rows = ["| target tissue (synthetic) | " + " | ".join("before" if n == 0 else f"{n} poke{'s' * (n > 1)}" for n in shown) + " |",
-            "|---|" + "---|" * len(shown)]
-    return rows + [f"| {what} | " + " | ".join(errors[n] for n in shown) + " |" for what, errors in patients.values()]
+    rows = ["| target tissue (synthetic) | " + " | ".join("before" if n == 0 else f"{n} poke{'s' * (n > 1)}" for n in shown) + " | answered |",
+            "|---|" + "---|" * (len(shown) + 1)]
+    return rows + [f"| {what} | " + " | ".join(errors[n] for n in shown) + f" | {answered} |" for what, errors, answered in patients.values()]
 
 
 def summary_table(evaluations, patients):
@@ -315,11 +317,11 @@ def summary_table(evaluations, patients):
                 f"elastic, best factor {two(models['best_factor']['rms'])}{beside(models['best_factor']['rms'], models['learned']['rms'])} |  |")
 
     def errors(text):
-        return " / ".join(f"{part.strip()} %" for part in text.split("/"))
+        return " / ".join(part.strip() if part.strip() == "none" else f"{part.strip()} %" for part in text.split("/"))
 
     for patient, name in PATIENT.items():
-        pokes = patients[patient][1]
-        rows.append(f"| {name}, after {PATIENT_POKES} pokes | {errors(pokes[PATIENT_POKES])} |  | before any {errors(pokes[0])} |  |")
+        _, pokes, answered = patients[patient]
+        rows.append(f"| {name}, after {PATIENT_POKES} pokes | {errors(pokes[PATIENT_POKES])} ({answered}) |  | before any {errors(pokes[0])} |  |")
     return rows
 
 

@@ -78,6 +78,6 @@ while (now := time.monotonic() - start) < seconds:
     if sequence % 500 == 0:
         print(f"{now:6.2f} s  y {1e3 * y:7.2f} mm  force {1e3 * force[0]:8.4f} {1e3 * force[1]:8.4f} mN")
     time.sleep(max(0.0, start + sequence * 1e-3 - time.monotonic()))
-print(f"largest force {largest:.4f} N, refused {refused}")
+print(f"largest force {largest:.4f} N, at the end {math.hypot(*force):.4f} N, refused {refused}")
 print(f"sent {sequence}, answers {answers}")
 sys.exit(0 if answers > 0 else 1)

@@ -1,5 +1,6 @@
 #include "frame.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -10,7 +11,8 @@ static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the page reads little-
 
 constexpr float still_m = 1e-6F;                  ///< a node that has moved by less stays where the page has it
 constexpr std::size_t in_plane = 32, in_space = 40;
-constexpr std::size_t second_in_plane = 12, second_in_space = 18;
+constexpr std::size_t second_in_plane = 14, second_in_space = 20;
+constexpr std::size_t contact_at = 29;            ///< index of the first tool's contact at rest, z behind y
 constexpr std::size_t moved_nodes = 38;           ///< index of how many nodes a frame carries, a mesh
 
 double number(long long n) {
@@ -45,6 +47,7 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
         if (model.is_solid()) head[z++] = p[2];
     };
     const Point nothing = Point::Zero(model.dimension());
+    const auto contact_of = [&](const TickRecord& of) { return of.mesh < 0 ? nothing : model.meshes[0]->springs.rest_place(of.facet, of.weight); };
     head[0] = r.time_s;
     head[1] = number(sum.ticks);
     head[2] = number(sum.misses);
@@ -68,6 +71,8 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
     head[26] = number(sum.clients);
     head[27] = s.rested_s;
     head[28] = static_cast<double>(r.status);
+    const Point contact = contact_of(r);
+    std::copy(contact.begin(), contact.end(), head.begin() + contact_at);
     if (model.options.tools > 1) {
         const ToolTick& second = s.second;
         head[own] = number(second.record.mesh);
@@ -78,6 +83,7 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
         put(own + 6, second.contact_displacement_m[0]);
         put(own + 8, -second.record.coupling_N);
         put(own + 10, model.options.map.force_to_tissue(second.record.device_N));
+        put(own + 12, contact_of(second.record));
     }
 
     const auto d = static_cast<std::size_t>(frame.dimension);

@@ -17,7 +17,7 @@ struct TickSummary {
 /// One state as all pages get it (cli/view/PROTOCOL.md): its numbers, and where every node is that pages draw.
 struct Frame {
     int dimension = 2;
-    std::vector<double> head;                 ///< 32 numbers, in space 40, of which 38 and 39 are each page's own; of two tools 12 more, in space 18
+    std::vector<double> head;                 ///< 32 numbers, in space 40, of which 38 and 39 are each page's own; of two tools 14 more, in space 20
     std::vector<std::vector<float>> nodes_m;  ///< of each mesh: D numbers a node of Scene::shown()
 };
 

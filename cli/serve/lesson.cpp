@@ -17,12 +17,12 @@ void Lesson::listen(Learner& learner) {
                     [](const char* why, void* with) { static_cast<Lesson*>(with)->end(why); });
 }
 
-/// Told to whoever has started the server at once, and on the page as the last poke's word.
+/// Told to whoever has started the server at once, and on the page.
 void Lesson::end(const char* why) noexcept {
     std::cerr << "tissuectl serve: learning has ended, the session goes on without it: " << why << '\n';
     try {
         News news;
-        news.why = std::string("learning has ended: ") + why;
+        news.ended = why;
         const std::lock_guard<std::mutex> lock(mutex_);
         news_ = std::move(news);
     } catch (...) {  // memory has run out: it is told already

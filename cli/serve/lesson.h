@@ -28,6 +28,7 @@ class Lesson {
         std::optional<Poke> poke;           ///< nothing before the first
         PokeStatus status = PokeStatus::refused;
         std::string why, warning;
+        std::string ended;                  ///< why learning has ended; else empty
         std::optional<Push> next;           ///< what would tell most now; in the plane
     };
 

@@ -40,6 +40,10 @@ std::optional<Refusal> Show::hear(Client client, std::string_view text, double n
     const Message& message = std::get<Message>(parsed);
     if (const ModelMessage* m = std::get_if<ModelMessage>(&message); m && m->model >= static_cast<int>(stage_.names().size()))
         return Refusal{"message", "no such model"};
+    if (const DemoMessage* m = std::get_if<DemoMessage>(&message); m && m->place >= static_cast<int>(stage_.scene().places().size())) {
+        if (now_s - turned_s_ < crossed_s) return {};
+        return Refusal{"message", "no such place"};
+    }
     if (const PointerMessage* m = std::get_if<PointerMessage>(&message); m && m->z_m.has_value() != stage_.model().is_solid()) {
         // said of the model before: it crossed the news of another one
         if (now_s - turned_s_ < crossed_s) return {};

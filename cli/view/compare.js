@@ -36,11 +36,8 @@ function between(rows, depth) {
 /** From the learned mesh to mesh m, at rest: both have the same nodes. */
 export const apart = m => add(model.meshes[m].nodes_m[0], model.meshes[0].nodes_m[0], -1);
 
-/** The contact of now on the learned mesh at rest: what has moved is the tool where the pressed mesh is a law, else the proxy. */
-export function contact_at_rest(tool = 0) {
-  const pressed = pressed_by(tool), law = model.law && (is_solid() || pressed === LEARNED), moved = tool === 0 ? vector(IN.moved + 2 * pressed) : vector_of(tool, "moved");
-  return add(add(vector_of(tool, law ? "master" : "proxy"), moved, -1), apart(pressed), -1);
-}
+/** The contact of now, on the learned mesh at rest. */
+export const contact_at_rest = (tool = 0) => vector_of(tool, "contact");
 
 /** FE's curve [[depth, force], both along the push] for a push u at the contact of place k: by lines over the angle between
  *  two known pushes, else that of a push at most ASKEW off; null when there is neither. Force along the push turns with
@@ -85,7 +82,7 @@ function against_fe(sample, mesh) {
   const curve = fe_curve(sample.place, sample.moved[mesh]);
   if (!curve) return { depth, why: "askew" };
   if (depth > BEYOND * deepest(curve)) return { depth, why: "deep" };
-  if (relaxes() && sample.remembers[mesh]) return { depth, why: "remembers" };
+  if (relaxes() && sample.unknown[mesh]) return { depth, why: sample.unknown[mesh] };
   const fe_N = relaxes() ? sample.fe_N[mesh] : on_curve(curve, depth);
   return fe_N > 0 ? { depth, error: force / fe_N - 1, fe_N, force } : { depth, why: "unknown" };
 }
@@ -134,6 +131,8 @@ export function comparison() {
   if (distance > FAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };
   if (why === "askew") return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
   if (distance > NEAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far for per cent.`, there: why ? null : { force, fe_N } };
+  if (why === "strayed")
+    return { ...basis, why: "In this press the tool was where finite elements were not, and tissue that relaxes remembers that: let go, wait a while or press Reset, and press anew." };
   if (why === "remembers")
     return { ...basis, why: "The tissue still remembers an earlier press, and finite elements do not: wait a while, or press Reset." };
   const errors = meshes.map(mesh => mesh.error ?? NaN);

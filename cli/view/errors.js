@@ -3,6 +3,7 @@
 import * as THREE from "./three.module.js";
 import { shade } from "./canvas.js";
 import { apart } from "./compare.js";
+import { shows_learned } from "./learned.js";
 import { nice } from "./scale.js";
 import { LEARNED, look, model } from "./state.js";
 import { add, angle_between, dot, largest } from "./vectors.js";
@@ -13,10 +14,11 @@ const LISTED = 6;     // pushes of one contact that are told
 
 export const shows_errors = () => Boolean(model.errors) && $("errors_wanted").checked;
 $("errors_wanted").addEventListener("change", () => { tell_error(null); name_scale(); look.stale = true; });
+$("learned_wanted").addEventListener("change", () => name_scale());
 
 /** What the legend tells a screen reader. */
 const name_scale = () => $("space_legend").setAttribute("aria-label",
-  `Colour: ${shows_errors() ? "error of the force at each contact in per cent" : "displacement in millimetres"}; arrows: force of the tool`);
+  `Colour: ${shows_errors() ? "error of the force at each contact in per cent" : shows_learned() ? "how many times as stiff as trained" : "displacement in millimetres"}; arrows: force of the tool`);
 
 const told = ({ error }) => error === null ? "no answer" : `${percent(error)} off`;
 const worse = (a, b) => (b.error ?? Infinity) - (a.error ?? Infinity);   // first what has no answer

@@ -1,7 +1,7 @@
 // What has been learned from pokes: by the model that came, or while it plays from a tissue that the tool touches unseen.
 import { look, model, moved } from "./state.js";
 import { largest, smallest } from "./vectors.js";
-import { $, percent, say } from "./words.js";
+import { $, newtons, percent, say } from "./words.js";
 
 /** Whether the learned mesh is coloured by what it has learned from pokes, not by displacement. */
 export const shows_learned = () => Boolean(model.learned) && $("learned_wanted").checked;
@@ -15,7 +15,8 @@ function recolour() {
 /** A "learned" message: another reading. */
 export function take_learned(message) {
   if (!model) return;
-  Object.assign(model, { learned: message.learned, reading: message.reading, next: message.next });
+  if (message.ended) model.ended = message.ended;
+  else Object.assign(model, { learned: message.learned, reading: message.reading, next: message.next });
   prepare_learned();
   recolour();
 }
@@ -34,9 +35,10 @@ export function prepare_learned() {
 }
 
 function reading_words() {
+  if (model.ended) return `Learning has ended, and the tissue stays as it has become: ${model.ended}.`;
   const next = model.next ? " The open arrow shows where a push would tell most." : "";
   const r = model.reading;
-  if (!r) return `Press, and hold still for a second: that is a reading.${next}`;
+  if (!r) return `Press, and hold still for a second: that is a reading, unless the force is at its limit of ${newtons(model.force_max_N / model.force_scale)}.${next}`;
   const what = { learned: "The last reading was learned", gated: "The last reading was not believed", refused: "The last reading was of no use" }[r.status];
   return `${what}${r.why ? `: ${r.why}` : ""}.${r.warning ? ` ${r.warning}.` : ""}${next}`;
 }

@@ -2,7 +2,7 @@
 import { comparison, fe_curve, on_curve } from "./compare.js";
 import { title } from "./places.js";
 import { away_from_rest } from "./rest.js";
-import { HEURISTIC, IN, LEARNED, in_fault, is_solid, model, pressed_by, relaxes, samples, vector, vector_of, state } from "./state.js";
+import { HEURISTIC, IN, LEARNED, in_fault, is_solid, model, pressed_by, relaxes, samples, status_of, vector, vector_of, state } from "./state.js";
 import { is_open } from "./transport.js";
 import { norm } from "./vectors.js";
 import { $, millimetres, newtons, percent, say } from "./words.js";
@@ -24,6 +24,7 @@ export function judge() {
   verdict.classList.toggle("idle", !c.errors || !is_open());
   if (!is_open()) say_words(state ? "No connection: the picture is the last that came." : "No connection, and no tissue yet.");
   else if (!state) say_words("Waiting for the tissue.");
+  else if (c.why === "idle" && status_of(0) > 0) say_words(no_force[status_of(0)]);
   else if (c.why === "idle")
     say_words(away_from_rest() || `Nothing touches the tissue. ${is_solid() ? "Press a solid" : "Drag into a mesh"}, or let the demo press.`);
   else if (c.there)
@@ -39,6 +40,15 @@ export function judge() {
   return c;
 }
 
+/** Why the tool has no force, by what its tick came to. */
+const no_force = [
+  "",
+  "No force: the tool's position was refused.",
+  "No force until the tool has been outside the tissue: lead it out.",
+  "No force: the tissue is folded. Reset puts it to rest.",
+  "No force: the tissue came apart and was put to rest. Lead the tool out.",
+];
+
 /** Why there is no number for a mesh: what is true of it. */
 const reasons = {
   deep: "is deeper than finite elements went",
@@ -46,6 +56,7 @@ const reasons = {
   askew: "is pushed another way than finite elements were",
   moves: "is still moving",
   remembers: "still remembers an earlier press",
+  strayed: "remembers that this press was where finite elements were not",
   folded: "is folded",
   unknown: "has no number to compare",
 };

@@ -1,5 +1,5 @@
 // Whether the tissue is at rest where nothing touches it. A mesh can be drawn through itself and lie still elsewhere.
-import { HEURISTIC, LEARNED, is_solid, model, state } from "./state.js";
+import { HEURISTIC, LEARNED, is_solid, model, relaxes, state } from "./state.js";
 import { largest } from "./vectors.js";
 
 const AT_REST = 0.0005;   // m: no node is farther from where it was made
@@ -28,7 +28,10 @@ export function away_from_rest() {
   seen = { of: model, far, still: same ? seen.still + 1 : 0 };
   const away = [LEARNED, HEURISTIC].filter(m => far[m] > AT_REST);
   if (away.length === 0) return "";
+  const far_of = m => `${(1e3 * far[m]).toFixed(1)}\u00a0mm from rest`, of = m => `the ${model.meshes[m].name} mesh`;
+  const bent = away.filter(folded);
+  if (bent.length > 0) return `Nothing touches the tissue, but ${bent.map(m => `${of(m)} is folded, ${far_of(m)}`).join(", and ")}. Reset puts it to rest.`;
   if (seen.still < LOOKS) return "Nothing touches the tissue; it is on its way back to rest.";
-  const each = away.map(m => `the ${model.meshes[m].name} mesh lies still ${(1e3 * far[m]).toFixed(1)}\u00a0mm from rest${folded(m) ? ", folded" : ""}`);
-  return `Nothing touches the tissue, but ${each.join(", and ")}. Reset puts it to rest.`;
+  if (relaxes()) return `Nothing touches the tissue, which relaxes: ${away.map(m => `${of(m)} is still ${far_of(m)}`).join(", ")}. Reset puts it to rest.`;
+  return `Nothing touches the tissue, but ${away.map(m => `${of(m)} lies still ${far_of(m)}`).join(", and ")}. Reset puts it to rest.`;
 }

@@ -8,7 +8,7 @@ import { leading, next_hand } from "./hand.js";
 import { shows_learned } from "./learned.js";
 import { arrow_scale, draw_legend } from "./legend.js";
 import { Nodule, SEEN_THROUGH, shows_nodule } from "./nodule.js";
-import { IN, LEARNED, look, model, moved, pressed_by, state, vector, vector_of, work } from "./state.js";
+import { IN, LEARNED, look, model, moved, pressed_by, relaxes, samples, state, vector, vector_of, work } from "./state.js";
 import { Surface } from "./surface.js";
 import { is_open } from "./transport.js";
 import { add, clamp, norm, unit } from "./vectors.js";
@@ -312,7 +312,7 @@ function place_forces(w, t, comparable) {
   if (!force.every(Number.isFinite) || !at.every(Number.isFinite)) return;
   set_arrow(t.force, add(at, force, -1 / arrow_scale()), at, w.size);
   const curve = comparable && t.tool === 0 && w.m === LEARNED && norm(u) > 0 ? fe_curve(state.v[IN.place], u) : null;
-  const known = curve ? on_curve(curve, norm(u)) : NaN;
+  const known = !curve ? NaN : relaxes() ? samples[samples.length - 1].fe_N[LEARNED] : on_curve(curve, norm(u));
   if (!Number.isFinite(known)) return;
   const beside = add(at, screen_axes()[0], 0.13 * w.size);
   set_arrow(w.fe_force, add(beside, unit(u), -known / arrow_scale()), beside, w.size);

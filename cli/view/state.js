@@ -16,21 +16,21 @@ export const work = { nodes: 0, decode_ms: 0, update_ms: 0 };   // nodes told in
 export const look = { stale: true };   // something but the state has changed: draw anew
 
 export const IN = { time: 0, ticks: 1, misses: 2, misses_program: 3, clamped: 4, faults: 5, rate: 6, p50: 7, p99: 8, master: 9,
-             proxy: 11, pressed: 13, moved: 14, force: 18, device: 20, place: 22, fe: 23, set: 24, fault: 25, clients: 26, rested: 27 };
+             proxy: 11, pressed: 13, moved: 14, force: 18, device: 20, place: 22, fe: 23, set: 24, fault: 25, clients: 26, rested: 27, status: 28, contact: 29 };
 export const LEARNED = 0, HEURISTIC = 1;   // meshes; the second may be missing (--no-heuristic)
 export const WINDOW = 10;                // s, of the plot over time
 
 const HEAD = [0, 0, 32, 40];         // numbers at the head of a state, by dimension
-const SECOND_HEAD = [0, 0, 12, 18];  // and behind it of a second tool
-const SECOND = { pressed: 0, status: 1, master: 2, proxy: 4, moved: 6, force: 8, device: 10 };   // there; in space z follows
+const SECOND_HEAD = [0, 0, 14, 20];  // and behind it of a second tool
+const SECOND = { pressed: 0, status: 1, master: 2, proxy: 4, moved: 6, force: 8, device: 10, contact: 12 };   // there; in space z follows
 const MOVED_NODES = 38;              // in space: how many nodes a state carries, a mesh
-const Z = { 9: 32, 11: 33, 14: 34, 16: 35, 18: 36, 20: 37 };   // in space: where z stands of what begins there
+const Z = { 9: 32, 11: 33, 14: 34, 16: 35, 18: 36, 20: 37, 29: 31 };   // in space: where z stands of what begins there
 
 /** Whether the model's force fades while it is held. */
 export const relaxes = () => model !== null && model.relaxation.tau_s.length > 0;
 export const is_solid = () => model !== null && model.dimension === 3;
 export const vector = i => is_solid() ? [state.v[i], state.v[i + 1], state.v[Z[i]]] : [state.v[i], state.v[i + 1]];
-/** A vector of a tool: master, proxy, moved, force or device. */
+/** A vector of a tool: master, proxy, moved, force, device or contact. */
 export const vector_of = (tool, what) => {
   if (tool === 0) return vector(IN[what]);
   const head = HEAD[model.dimension], at = head + SECOND[what];
@@ -38,8 +38,10 @@ export const vector_of = (tool, what) => {
 };
 /** The mesh that a tool presses; -1: none. */
 export const pressed_by = tool => !state || tool >= model.tools ? -1 : tool === 0 ? state.v[IN.pressed] : state.v[HEAD[model.dimension] + SECOND.pressed];
+/** What the last tick of a tool came to (PROTOCOL.md). */
+export const status_of = tool => tool === 0 ? state.v[IN.status] : state.v[HEAD[model.dimension] + SECOND.status];
 /** Whether the last position of any tool was refused. */
-export const in_fault = () => state.v[IN.fault] > 0 || model.tools > 1 && state.v[HEAD[model.dimension] + SECOND.status] === 1;
+export const in_fault = () => state.v[IN.fault] > 0 || model.tools > 1 && status_of(1) === 1;
 const head_size = () => HEAD[model.dimension] + (model.tools > 1 ? SECOND_HEAD[model.dimension] : 0);
 export function node(mesh, i) {
   const d = model.dimension;

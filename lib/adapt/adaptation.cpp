@@ -57,8 +57,17 @@ const char* to_string(PokeStatus status) {
     return "unknown";
 }
 
+void check(const AdaptOptions& o) {
+    struct Range {
+        const char* name;
+        double value, least, most;
+    };
+    for (const Range& r : {Range{"noise of a force", o.force_noise, 0, 0.5}, Range{"error of the model", o.model_error, 0.001, 0.5}, Range{"error of a contact's place [m]", o.place_error_m, 0, 0.05}})
+        if (!(r.value >= r.least && r.value <= r.most)) throw MismatchError(fmt::format("the {} is {:g}, must be from {:g} to {:g}", r.name, r.value, r.least, r.most));
+}
+
 Adaptation::Adaptation(const TissueModel& base, const AdaptOptions& options)
-    : base_(base), options_(options), unknowns_(make_unknowns(base_, options.unknowns, options.prior)), surface_(base_.mesh),
+    : base_(base), options_((check(options), options)), unknowns_(make_unknowns(base_, options.unknowns, options.prior)), surface_(base_.mesh),
       energy_(base_.mesh, *base_.energy_law), kernel_(make_contact_kernel(base_.mesh, *base_.energy_law)),
       solver_(energy_, *kernel_, quick()), gate_(gsl_cdf_chisq_Pinv(options.gate, base_.mesh.dimension())) {
     forget();
@@ -122,9 +131,13 @@ PressState Adaptation::press(const Point& contact_m, const Point& push_m, const 
 
 Expected Adaptation::expect(const Point& contact_m, const Point& push_m) {
     if (const std::string why = push_refusal(base_.mesh, surface_, contact_m, push_m, options_.off_surface_m); !why.empty()) throw MismatchError("the push " + why);
+    const Eigen::Index D = push_m.size();
+    if (push_m.isZero(0)) return {Point::Zero(D), Eigen::MatrixXd::Zero(D, unknowns_.size()), PressStatus::held};
     const Linear linear = linearise(contact_m, push_m, x(), nullptr);
     const double size = linear.rest.contact_force_N.norm();
-    return {linear.rest.contact_force_N, linear.by_x / size, size > 0 ? linear.rest.status : PressStatus::lost};
+    const PressStatus status = size > 0 ? linear.rest.status : PressStatus::lost;
+    if (status != PressStatus::held) return {Point::Constant(D, std::nan("")), Eigen::MatrixXd::Zero(D, unknowns_.size()), status};
+    return {linear.rest.contact_force_N, linear.by_x / size, status};
 }
 
 Eigen::MatrixXd Adaptation::covariance(const Expected& expected, bool with_model) const {

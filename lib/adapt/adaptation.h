@@ -33,6 +33,9 @@ struct AdaptOptions {
     int rounds = 2;                 ///< linearisations a poke at the most, the first at what was known before it
 };
 
+/// Throws MismatchError for a number that is out of its range.
+void check(const AdaptOptions& options);
+
 /// What became of a reading.
 enum class PokeStatus {
     learned,   ///< chi2 is below the gate, and the model has it in it
@@ -54,7 +57,7 @@ struct PokeAnswer {
 
 /// What the model says of a push.
 struct Expected {
-    Point force_N;                ///< (D)
+    Point force_N;                ///< NaN unless held (D)
     Eigen::MatrixXd by_x;         ///< d force / dx over |force| (D x P)
     PressStatus status;
 };
@@ -79,7 +82,7 @@ class Adaptation {
         Poke last;                   ///< as it was read; of no size before the first
     };
 
-    /// Throws MismatchError as make_unknowns.
+    /// Throws MismatchError as make_unknowns, and check().
     Adaptation(const TissueModel& base, const AdaptOptions& options = {});
 
     PokeAnswer learn(const Poke& poke);
@@ -109,7 +112,6 @@ class Adaptation {
     void in_session(double largest, double place_error_m) { session_largest_ = largest, session_place_error_m_ = place_error_m; }
     double largest() const { return std::min(options_.largest, session_largest_); }                        ///< |x| at the most
     double place_error_m() const { return std::max(options_.place_error_m, session_place_error_m_); }
-    void read_at_rest(bool at_rest) { options_.at_rest = at_rest; }
 
     const FreeSurface& surface() const { return surface_; }
 

@@ -49,6 +49,11 @@ AdaptOptions read_options(const Hdf5Reader& file) {
     if (!(rounds >= 1 && rounds <= 100 && rounds == std::floor(rounds))) file.refuse(group, fmt::format("attribute 'rounds' is {}, must be a count", rounds));
     options.rounds = static_cast<int>(rounds);
     if (!(options.gate < 1)) file.refuse(group, "attribute 'gate' is not below 1");
+    try {
+        check(options);
+    } catch (const MismatchError& e) {
+        file.refuse(group, e.what());
+    }
     return options;
 }
 

@@ -59,7 +59,7 @@ TISSUE_API const char *tissue_version(void);
 TISSUE_API const char *tissue_error(void);
 
 /* Opens a model.h5 of tissuectl train or adapt. options: "name", "value", "name", "value", ..., NULL; or NULL. OPTIONS.md (share/doc/tissuectl) has their
- * names, units, defaults and ranges; they are those of tissuectl serve --help without the dashes in front. Yes or no is "yes" or "no".
+ * names, units, defaults and ranges. Yes or no is "yes" or "no".
  * A value out of its range, and an option that would do nothing with this model, is TISSUE_MISMATCH. */
 TISSUE_API tissue_status tissue_open(const char *model_file, const char *const *options, tissue_session **session);
 
@@ -78,7 +78,7 @@ TISSUE_API void tissue_close_model(tissue_model **model);
  * A force that the device still holds after option "hold" (0.05 s) is in no energy log: a host whose ticks may stall sees to it that the device lets go, or sets hold to "inf". A tick that comes
  * later than half of it, 0.025 s, begins at zero force, and rises by slew and as far as the bound on energy permits (TISSUE_LATE; limits' `late` counts it): 50 Hz, with a clock that strays by 5 ms, is the slowest rate by default. That long a hold has a price. The energy that the port may give is bounded by r force-max speed-max dt: r is 1
  * while ticks come every dt with positions of their own (0.0066 J by default), and at most hold / dt after a stall (0.33 J; with hold 0.01, which serves hosts from 200 Hz on, 0.066 J), (hold + stale) / dt of
- * positions that are given with an age (0.66 J). tissue_energy "bound" is the bound as it is now.
+ * positions that are given with an age (0.66 J). tissue_energy "bound" is the bound as it is now. What was given fades from that account with 5 s, so that over a long time r times 1.3 mW may go out beside it.
  * The force is finite and within force-max whatever comes in, and zero where the status is none of TISSUE_OK, TISSUE_LATE and TISSUE_OVERRUN, also where an argument is refused. What it gives the hand is
  * bounded for every device (lib/haptic/safety.h); that a hand comes to rest on the tissue is promised for a device whose mass is stated, option "device-mass", and whose positions come with every
  * tick, every dt, at most half of dt old (tissue_tick_aged); at one dt a device of 45 g may swing. The thread's floating-point mode (rounding, traps, denormals) is set for the tick, and after it is
@@ -92,7 +92,7 @@ TISSUE_API tissue_status tissue_tick_aged(tissue_session *session, const double 
 /* ---- two tools (option "tools" "2"): two devices on one tissue, each with its own energy log and safety. Options of tissue_open are of both at first. */
 
 /* One tick of both: positions and forces are three numbers a tool, one tool after the other; age_s one number a tool, as of tissue_tick_aged, or NULL: just measured. A tool that is refused, or
- * has not been outside yet, has no force, and the other one goes on; TISSUE_FOLDED, TISSUE_DIVERGED and tissue_reset stop both. status: what the tick came to for each tool, or NULL. Returns the first of them that is without force, else the first that is not TISSUE_OK. TISSUE_BAD_ARGUMENT, with zero forces: tools is not tissue_tool_count(). tissue_tick and tissue_tick_aged are of sessions of one tool. */
+ * has not been outside yet, has no force, and the other one goes on; TISSUE_FOLDED, TISSUE_DIVERGED and tissue_reset stop both. status: what the tick came to for each tool, or NULL. Returns the first of them that is without force, else the first that is not TISSUE_OK. TISSUE_BAD_ARGUMENT, with zero forces (of 64 tools at most): tools is not tissue_tool_count(). tissue_tick and tissue_tick_aged are of sessions of one tool. */
 TISSUE_API tissue_status tissue_tick_tools(tissue_session *session, int tools, const double *position_m, const double *age_s, double elapsed_s, double *force_N, tissue_status *status);
 
 /* Which tool, 0 at the start, tissue_set, tissue_clutch, tissue_read_contact, tissue_read_limits, tissue_count and tissue_energy act on from now on. A copy and tissue_take_over keep it. Shared by
@@ -116,7 +116,7 @@ TISSUE_API tissue_status tissue_clutch(tissue_session *session, int on);
 /* Another model at the same hand, without a jump of force. tissue_follow begins a session of a model of as many axes whose tool is led to where the tool of `leader` is: some hundred ticks,
  * for which no device can wait, so in another thread, with a copy of the session that plays (tissue_copy). tissue_take_over then puts it in the place of the one that plays, between two
  * ticks: force, energy given, options and counts go on, and what forces differ by fades within some tenths of a second. TISSUE_MISMATCH: of another number of axes, too stiff for the
- * device, or of another shape where the tool is, or of a dt above half of hold. Limits (force-max, slew, speed-max, stale, hold, passivity), what is known of the device, and the clock are those of the one that
+ * device, or of another shape where the tool is, or of a dt above half of hold; and where the tool that plays has begun another contact since it was followed. Limits (force-max, slew, speed-max, stale, hold, passivity), what is known of the device, and the clock are those of the one that
  * plays. A session that is to take over has ticked no more since tissue_follow. tissue_take_over allocates nothing but where it refuses. */
 TISSUE_API tissue_status tissue_follow(const tissue_model *model, const tissue_session *leader, tissue_session **session);
 TISSUE_API tissue_status tissue_take_over(tissue_session *session, const tissue_session *from);

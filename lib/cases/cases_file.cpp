@@ -8,6 +8,7 @@
 #include "cases/histories_file.h"
 #include "cases/load_path.h"
 #include "error.h"
+#include "io/one_line.h"
 #include "mesh/mesh_fault.h"
 #include "study/solid_study.h"
 #include "version.h"
@@ -161,7 +162,7 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
     path.name = name;
     const std::vector<std::string> role = in.texts(group + "role");
     path.role = role[0];
-    path.lost = role[1];
+    path.lost = one_line(role[1]);
     path.depth_m = in.vector(group + "depth")[0];
     if (in.has(group + "radius")) path.radius_m = in.vector(group + "radius")[0];
     path.contact_m = in.vector(group + "contact");

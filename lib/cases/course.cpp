@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/csv_lines.h"
+#include "io/csv_columns.h"
+#include "io/csv_table.h"
 
 namespace tissue {
 namespace {
@@ -103,10 +104,12 @@ Course CourseMaker::course() const {
 }
 
 Course read_course(const std::string& file, Eigen::Index D) {
-    CsvLines line(file);
-    const std::string header = D == 3 ? "time_s,x_m,y_m,z_m" : "time_s,x_m,y_m";
-    if (!line.next() || line.text() != header) line.refuse("must begin with the header " + header);
+    CsvTable line(file);
+    const std::vector<std::string> names = {"time_s", "x_m", "y_m", "z_m"};
     const auto columns = static_cast<std::size_t>(1 + D);
+    bool headed = line.next_row() && line.size() == columns;
+    for (std::size_t k = 0; headed && k < columns; ++k) headed = trimmed(line.field(k)) == names[k];
+    if (!headed) line.refuse(std::string("must begin with the header ") + (D == 3 ? "time_s,x_m,y_m,z_m" : "time_s,x_m,y_m"));
     std::vector<double> times;
     std::vector<Eigen::VectorXd> pushes;  // of the rows that are taken
     double before_s = 0;
@@ -126,7 +129,7 @@ Course read_course(const std::string& file, Eigen::Index D) {
         pushes.push_back(push_m);
     };
     Eigen::VectorXd last_m;
-    while (line.next()) {
+    while (line.next_row()) {
         if (line.size() != columns) line.refuse(fmt::format("has {} fields, the header has {}", line.size(), columns));
         const double time_s = line.number(0, "time_s");
         Eigen::VectorXd push_m(D);

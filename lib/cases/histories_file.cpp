@@ -1,4 +1,5 @@
 #include "cases/histories_file.h"
+#include "io/one_line.h"
 
 #include <fmt/format.h>
 
@@ -113,7 +114,7 @@ std::vector<History> read_histories(TableReader& in) {
         h.group = group[i];
         h.kind = kind[i];
         h.role = role[i];
-        h.lost = lost[i];
+        h.lost = one_line(lost[i]);
         h.contact_m = place.row(row).transpose();
         h.direction = direction.row(row).transpose();
         if (second.row(row).array().isNaN().any() && !second.row(row).array().isNaN().all())

@@ -39,9 +39,9 @@ struct Push {
 double arc_of(const MeasuredTable& table, const MeasuredRow& row, const Outline& outline, double tolerance_m, double size_m) {
     const double arc = outline.arc_of(row.contact_m), off = (outline.position(arc) - row.contact_m).norm();
     if (!(off <= tolerance_m))
-        refuse(table, row, fmt::format("columns 'contact_x', 'contact_y': ({:g}, {:g}) mm is {:.3g} mm off the free "
-                                       "surface; allowed: {:g} mm", 1e3 * row.contact_m.x(), 1e3 * row.contact_m.y(),
-                                       1e3 * off, 1e3 * tolerance_m));
+        refuse(table, row, fmt::format("columns 'contact_x', 'contact_y': ({:g}, {:g}) m is {} off the free "
+                                       "surface; allowed: {:g} mm", row.contact_m.x(), row.contact_m.y(),
+                                       off < 1 ? fmt::format("{:.3g} mm", 1e3 * off) : fmt::format("{:.3g} m", off), 1e3 * tolerance_m));
     if (arc < apart_m || arc > outline.length() - apart_m)
         refuse(table, row, "columns 'contact_x', 'contact_y': the contact is within 2 mm of the fixed edge");
     if (std::abs(outline.angle(arc, row.displacement_m)) >= 90 * degree)

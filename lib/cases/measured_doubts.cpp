@@ -16,9 +16,8 @@ constexpr double same_contact_m = 0.0002, same_displacement = 0.05, other_force 
 constexpr double drift_errors = 5, least_drift = 0.02;
 constexpr std::size_t named = 3, least_rows_of_drift = 12;
 
-void doubt_units(const Study& study, const MeasuredTable& table, std::vector<std::string>& doubts) {
-    std::vector<double> ratio;
-    for (const MeasuredRow& row : table.rows) ratio.push_back(row.force_N.norm() / (study.modulus_N_m() * row.displacement_m.norm()));
+/// ratio: of each row's force over modulus, thickness and displacement (at least one).
+void doubt_units(std::vector<double> ratio, std::vector<std::string>& doubts) {
     std::nth_element(ratio.begin(), ratio.begin() + static_cast<std::ptrdiff_t>(ratio.size() / 2), ratio.end());
     const double median = ratio[ratio.size() / 2];
     if (median < unit_factor && median > 1 / unit_factor) return;
@@ -170,9 +169,21 @@ void doubt_drift(const MeasuredTable& table, std::vector<std::string>& doubts) {
 
 std::vector<std::string> measured_doubts(const Study& study, const MeasuredTable& table) {
     std::vector<std::string> doubts;
-    doubt_units(study, table, doubts);
+    std::vector<double> ratio;
+    for (const MeasuredRow& row : table.rows) ratio.push_back(row.force_N.norm() / (study.modulus_N_m() * row.displacement_m.norm()));
+    doubt_units(std::move(ratio), doubts);
     doubt_contradictions(table, doubts);
     doubt_drift(table, doubts);
+    return doubts;
+}
+
+std::vector<std::string> measured_doubts(const Study& study, const std::vector<History>& histories) {
+    std::vector<std::string> doubts;
+    std::vector<double> ratio;
+    for (const History& h : histories)
+        for (Eigen::Index t = 0; t < h.time_s.size(); ++t)
+            if (const double push_m = h.push_m.row(t).norm(); push_m > 0) ratio.push_back(h.force_N.row(t).norm() / (study.modulus_N_m() * push_m));
+    if (!ratio.empty()) doubt_units(std::move(ratio), doubts);
     return doubts;
 }
 

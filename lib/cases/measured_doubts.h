@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "cases/history.h"
 #include "cases/measured_csv.h"
 #include "study/study.h"
 
@@ -15,5 +16,7 @@ namespace tissue {
 ///   drift          rows of one push (column `push`), in the file's order, go away from their push's mean by 5 standard errors of a straight line, and
 ///                  by 2 % of the force or more from the first row to the last
 std::vector<std::string> measured_doubts(const Study& study, const MeasuredTable& table);
+/// The same of measured histories, of their unit alone.
+std::vector<std::string> measured_doubts(const Study& study, const std::vector<History>& histories);
 
 }  // namespace tissue

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "io/one_line.h"
+
 namespace tissue {
 
 const std::string& PathLines::kind() const {
@@ -26,7 +28,7 @@ Point PathLines::point(std::size_t from, std::size_t D) const {
 std::string PathLines::text_from(std::size_t i) const {
     std::size_t start = 0;
     for (; i > 0; --i) start = text().find(',', start) + 1;
-    return text().substr(start);
+    return one_line(text().substr(start));
 }
 
 }  // namespace tissue

@@ -20,7 +20,7 @@ class PathLines : public CsvLines {
     /// D numbers, from a field on.
     Point point(std::size_t from, std::size_t D) const;
 
-    /// A last field that may hold commas of its own.
+    /// A last field that may hold commas of its own, as a message may show it (io/one_line.h).
     std::string text_from(std::size_t i) const;
 };
 

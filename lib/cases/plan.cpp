@@ -165,6 +165,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         plan.parts["shape"] = shape_part(study);
         if (!shape) return plan;
     }
+    if (!shaped) refuse_wrong_unit(study);
     const SpringMesh springs = [&] {
         try {
             return study_mesh(study, shape, study.springs.topology);
@@ -181,8 +182,17 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
         }
     if (!study.data) refuse_tool(study, springs);
-    const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : planned_paths(study, shape);
-    const std::vector<PlannedHistory> histories = study.data ? std::vector<PlannedHistory>() : planned_histories(study, shape);
+    const auto of_file = [&study](auto plan_them) {
+        try {
+            return plan_them();
+        } catch (const StudyError&) {
+            throw;
+        } catch (const MismatchError& e) {
+            throw StudyError(one_line(fmt::format("{}: {}", study.file, e.what())));
+        }
+    };
+    const std::vector<PlannedPath> paths = study.data ? std::vector<PlannedPath>() : of_file([&] { return planned_paths(study, shape); });
+    const std::vector<PlannedHistory> histories = study.data ? std::vector<PlannedHistory>() : of_file([&] { return planned_histories(study, shape); });
     refuse_push_through(study, springs, paths);
     refuse_unknown_discs(study, paths);
     std::string names;  // all at once: make copies the whole list for every name that is added to it

@@ -55,8 +55,25 @@ Point inward_at(const SpringMesh& mesh, const StudyPath& push) {
 
 }  // namespace
 
+namespace {
+
+constexpr double most_along = 1000;  ///< springs, elements or tools along a tissue
+
+/// How large what presses is: the tool, or how deep it goes.
+double tool_size_m(const Study& study) { return std::max(study.indenter.half_width_m, study.loads.magnitudes_m.empty() ? 0 : study.loads.magnitudes_m.back()); }
+
+}  // namespace
+
+void refuse_wrong_unit(const Study& study) {
+    const Study::Geometry& g = study.geometry;
+    const double longest_m = std::max({g.width_m, g.length_m, g.height_m}), tool_m = tool_size_m(study);
+    if (tool_m > 0 && longest_m > most_along * tool_m)
+        refuse(study, longest_m == g.width_m ? "geometry.width_m" : longest_m == g.height_m ? "geometry.height_m" : "geometry.length_m",
+               fmt::format("{:g} m is more than {:g} times {:g} m, which the tool is wide or goes deep. Is this in millimetres? It is wanted in metres", longest_m, most_along, tool_m));
+}
+
 void refuse_wrong_unit(const Study& study, const MshFile& mesh) {
-    constexpr double most_along = 1000, most_in_all = 100'000, farthest = 1000;
+    constexpr double most_in_all = 100'000, farthest = 1000;
     const Study::Geometry& g = study.geometry;
     const double none = std::numeric_limits<double>::infinity();
     Eigen::Array3d low = Eigen::Array3d::Constant(none), high = -low;
@@ -75,15 +92,20 @@ void refuse_wrong_unit(const Study& study, const MshFile& mesh) {
     const Eigen::Array3d sides_m = (high - low) * g.unit_m, middle = (high + low) / 2, middle_m = middle * g.unit_m;
     const double longest_m = sides_m.maxCoeff(), away_m = middle_m.matrix().norm();
     const bool springs = study.spring_size_m > 0;
-    const double size_m = springs ? study.spring_size_m : study.sizes_m[1];  // of what the shape is divided into
+    const bool elements = !springs && study.sizes_m[1] > 0;
+    const double tool_m = tool_size_m(study);
+    const double size_m = springs ? study.spring_size_m : elements ? study.sizes_m[1] : tool_m;  // of what the shape is divided into, or of what presses one that is a mesh already
     const std::string length = fmt::format("{} is {:.3g} {} long with geometry.unit_m = {:g}", g.shape, longest_m < 1 ? 1e3 * longest_m : longest_m, longest_m < 1 ? "mm" : "m", g.unit_m);
-    const std::string what = fmt::format("{} = {:g} m", springs ? "lattice.size_m" : "mesh.sizes_m", size_m);
-    if (size_m > 0) {
+    const std::string what = fmt::format("{} = {:g} m", springs ? "lattice.size_m" : elements ? "mesh.sizes_m" : size_m == study.indenter.half_width_m ? "indenter.half_width_m" : "loads.magnitudes_m", size_m);
+    const std::string cure = g.unit_m == 1 ? ". Is this in millimetres? Then unit_m = 0.001" : fmt::format(": is the unit another, or is {} too short?", what.substr(0, what.find(' ')));
+    if (!springs && !elements && size_m > 0 && longest_m > most_along * size_m)
+        refuse(study, "geometry.unit_m", fmt::format("{}, more than {:g} times {}{}", length, most_along, what, cure));
+    if (springs || elements) {
         const double along = longest_m / size_m, in_all = (sides_m / size_m).max(1.0).prod();
         if (along > most_along || in_all > most_in_all)
             refuse(study, "geometry.unit_m",
-                   fmt::format("{}, which at {} is {:.2g} springs or elements; at most {:g} are possible. Is this in millimetres? Then unit_m = 0.001", length, what,
-                               std::max(along, in_all), most_in_all));
+                   fmt::format("{}, which at {} is {:.2g} springs or elements; at most {:g} are possible{}", length, what,
+                               std::max(along, in_all), most_in_all, cure));
         if (springs && along < 2)
             refuse(study, "geometry.unit_m", fmt::format("{}, less than two springs of {}: is the unit another, or are the springs too long?", length, what));
     }

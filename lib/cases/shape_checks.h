@@ -14,6 +14,8 @@ namespace tissue {
 /// Throws StudyError: more than 1,000 springs or finite elements along it, or more than 100,000 in all; less than two springs along it; so far
 /// from the origin that coordinates lose digits (a thousand times its length).
 void refuse_wrong_unit(const Study& study, const MshFile& mesh);
+/// Of a block: its sides against the tool.
+void refuse_wrong_unit(const Study& study);
 
 /// What to tell of a shape whose contour is much finer than lattice.size_m, so that springs are; empty: nothing.
 std::string finer_than_asked(const Study& study, const Shape& shape);

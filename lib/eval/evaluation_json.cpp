@@ -178,7 +178,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
                                      {"fe_N", c.fe_N},
                                      {"models_N", {{"learned", c.learned_N}, {"uniform", c.uniform_N}}}});
     for (const DrawnShape& s : held_out.shapes) {
-        Json row = {{"name", s.name}};
+        Json row = {{"name", s.name}, {"which", s.which}};
         for (Eigen::Index i = 0; i < s.displacement_m.rows(); ++i)
             row["displacement_m"].push_back(s.displacement_m.row(i));
         j["drawn_shapes"].push_back(std::move(row));

@@ -135,15 +135,21 @@ double pushed_force(const SpringMesh& mesh, const SpringLaw& law, const Eigen::V
     return state ? state.contact_force.dot(path.direction) : std::nan("");
 }
 
-/// Names of the held_out contacts with the median shape error of the first model, of two the smaller, and the largest.
-std::vector<std::string> shown_shapes(const HeldOut& held_out) {
+/// The held_out contacts with the median shape error of the first model, of two the smaller, and with the largest: name and which. A missing answer is infinite: where it is the
+/// median there is none, and the largest is that of what was answered.
+std::vector<std::pair<std::string, std::string>> shown_shapes(const HeldOut& held_out) {
     std::vector<std::pair<double, std::string>> errors;
     if (const DrawnContacts* role = held_out.role("held_out"))
-        for (const DrawnContact& c : role->contacts)
-            if (c.error[0].shape && std::isfinite(*c.error[0].shape)) errors.emplace_back(*c.error[0].shape, c.name);
-    if (errors.empty()) return {};
+        for (const DrawnContact& c : role->contacts) {
+            const std::optional<double>& shape = c.error[0].shape;
+            errors.emplace_back(shape && std::isfinite(*shape) ? *shape : std::numeric_limits<double>::infinity(), c.name);
+        }
     std::sort(errors.begin(), errors.end());
-    return {errors[(errors.size() - 1) / 2].second, errors.back().second};
+    const auto answered = static_cast<std::size_t>(std::count_if(errors.begin(), errors.end(), [](const auto& e) { return std::isfinite(e.first); }));
+    std::vector<std::pair<std::string, std::string>> shown;
+    if (const std::size_t middle = (errors.size() - 1) / 2; middle < answered) shown.emplace_back(errors[middle].second, "median");
+    if (answered > 0) shown.emplace_back(errors[answered - 1].second, "largest");
+    return shown;
 }
 
 /// The push that a check repeats on the finer mesh; nullptr without one.
@@ -338,11 +344,11 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
         }
         result.curves.push_back(std::move(curve));
     }
-    for (const std::string& name : shown_shapes(result)) {
+    for (const auto& [name, which] : shown_shapes(result)) {
         const auto path = std::find_if(cases.paths.begin(), cases.paths.end(),
-                                       [&](const LoadPath& p) { return p.name == name; });
+                                       [&, name = name](const LoadPath& p) { return p.name == name; });
         const PathRecord& record = path->records.back();
-        result.shapes.push_back({name, learned(*path, record).displacement_m.topRows(cases.nodes.rows())});
+        result.shapes.push_back({name, which, learned(*path, record).displacement_m.topRows(cases.nodes.rows())});
     }
     return result;
 }

@@ -59,6 +59,7 @@ struct DrawnCurve {
 /// Where the tissue's nodes go at one drawn contact, as the first of the models has it.
 struct DrawnShape {
     std::string name;
+    std::string which;                    ///< median or largest, of the shape errors of all contacts
     NodeField displacement_m;             ///< u of the tissue's own nodes [m] (N x D)
 };
 

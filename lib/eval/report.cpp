@@ -152,8 +152,9 @@ std::string by_place_markdown(const DrawnContacts& role, const std::string& mode
     thirds("thickness", &DrawnContact::thickness_m);
     thirds("distance from the free surface's edge", &DrawnContact::clearance_m);
     if (out.empty()) return "";
-    return fmt::format("\nOf `{}`, by the disc's radius where there are several, and by thirds of the contacts (thickness of the tissue straight in, at rest; edge: where the free surface ends, as at what is held, or turns by more than 45 degrees):\n\n"
-                       "| contacts | force: median / p95 / max | n of N | shape: median / p95 / max | n of N |\n|---|---|---|---|---|\n", model) + out;
+    const std::string lost = role.lost.empty() ? "" : fmt::format("; the {} that finite elements lost are in no third", role.lost.size());
+    return fmt::format("\nOf `{}`, by the disc's radius where there are several, and by thirds of the contacts (thickness of the tissue straight in, at rest; edge: where the free surface ends, as at what is held, or turns by more than 45 degrees{}):\n\n"
+                       "| contacts | force: median / p95 / max | n of N | shape: median / p95 / max | n of N |\n|---|---|---|---|---|\n", model, lost) + out;
 }
 
 std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {

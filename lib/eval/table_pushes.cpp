@@ -30,11 +30,25 @@ bool is_block(const TissueModel& model) {
     return pressure.maxCoeff() - pressure.minCoeff() < 1e-6 * pressure.maxCoeff();
 }
 
+/// Whether each point of other material (G x 4: place, weight) has one of the same weight at its image.
+bool maps_onto_itself(const NodeField& ground, const Symmetry& s) {
+    for (Eigen::Index i = 0; i < ground.rows(); ++i) {
+        const Point at = ground.row(i).head<3>().transpose(), image = s.centre_m + s.turn * (at - s.centre_m);
+        const auto is_image = [&](Eigen::Index k) {
+            return (Point(ground.row(k).head<3>().transpose()) - image).norm() < same_m && std::abs(ground(k, 3) - ground(i, 3)) <= 1e-6 * std::abs(ground(i, 3));
+        };
+        bool found = false;
+        for (Eigen::Index k = 0; k < ground.rows() && !found; ++k) found = is_image(k);
+        if (!found) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 std::vector<Symmetry> symmetries_of(const TissueModel& model) {
-    const bool of_one_material = !model.energy_law || model.energy_law->disc.ground.rows() == 0;
-    if (!of_one_material || !is_block(model)) return {};
+    if (!is_block(model)) return {};
+    const NodeField ground = model.energy_law ? model.energy_law->disc.ground : NodeField();
     const Point low = model.mesh.own_nodes().colwise().minCoeff().transpose(), high = model.mesh.own_nodes().colwise().maxCoeff().transpose();
     const Point centre_m = (low + high) / 2, size_m = high - low;
     const Eigen::Index D = size_m.size();
@@ -49,7 +63,8 @@ std::vector<Symmetry> symmetries_of(const TissueModel& model) {
                 turn(0, 0) = x;
                 if (D == 3) turn(1, 1) = y;
                 if (exchanged) turn.topRows(2) = Eigen::MatrixXd(turn.topRows(2).colwise().reverse());
-                found.push_back({turn, centre_m});
+                const Symmetry s{turn, centre_m};
+                if (maps_onto_itself(ground, s)) found.push_back(s);
             }
     return found;
 }

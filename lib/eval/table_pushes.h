@@ -13,8 +13,8 @@ struct Symmetry {
     Point centre_m;        ///< (D)
 };
 
-/// Those of a model's tissue, the identity not among them. A block of one material in the plane has the image in x; in space those in x, in y and in
-/// both, and where it is as long as it is wide these with x and y exchanged: eight images with the push itself. Others have none.
+/// Those of a model's tissue, the identity not among them. A block in the plane has the image in x; in space those in x, in y and in
+/// both, and where it is as long as it is wide these with x and y exchanged: eight images with the push itself. Where it holds other material, those that leave it as it is. Others have none.
 std::vector<Symmetry> symmetries_of(const TissueModel& model);
 
 /// A push whose force FE has said: what a table of forces is made of.

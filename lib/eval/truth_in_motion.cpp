@@ -112,8 +112,8 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Pre
     result.static_error = (result.force_N - result.static_N).norm() / result.static_N.norm();
     // FE's word is about its own contact: a tool that slipped off on the way pressed another
     result.off_contact_m = (touched - truth.contact_m).norm();
-    if (truth.force_N && result.off_contact_m < same_contact_m) {
-        result.fe_error = (result.force_N - *truth.force_N).norm() / truth.force_N->norm();
+    if (truth.force_N) {
+        if (result.off_contact_m < same_contact_m) result.fe_error = (result.force_N - *truth.force_N).norm() / truth.force_N->norm();
         const auto exact = answer.at(truth.contact_m, truth.magnitude_m * truth.direction, theta);
         result.static_fe_error = exact ? (exact.contact_force - *truth.force_N).norm() / truth.force_N->norm() : std::numeric_limits<double>::infinity();
     }

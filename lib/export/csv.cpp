@@ -89,19 +89,30 @@ std::string contact_csv(const SpringMesh& mesh, const LawModel& law, const std::
 Files pressed_csv(const TissueModel& model, const std::vector<PressedCase>& cases) {
     const int D = model.mesh.dimension();
     const bool solid = model.mesh.is_solid();
-    std::string presses = "case," + columns("contact_", "_m", D) + (solid ? "," : ",arc_m,") + columns("push_", "_m", D) + "," +
+    std::string presses = "case," + columns("contact_", "_m", D) + (solid ? ",radius_m," : ",arc_m,") + columns("push_", "_m", D) + "," +
                           columns("force_", "_N", D) + ",reason\n",
                 pressed = "case,node," + columns("u_", "_m", D) + "," + columns("f_", "_N", D) + "\n";
     const std::string no_force(static_cast<std::size_t>(D - 1), ',');
     for (const PressedCase& c : cases) {
         const std::string name = field(model.case_names[static_cast<std::size_t>(c.load_case)]);
+        const double disc_m = model.radius_of(c.load_case);
         presses += fmt::format("{},{},{}{},{},{}\n", name, values(model.contact_m.row(c.load_case)),
-                               c.arc_m ? fmt::format("{},", *c.arc_m) : "", values(c.push_m),
+                               fmt::format("{},", c.arc_m ? *c.arc_m : disc_m > 0 ? disc_m : model.energy_law->disc_radius_m), values(c.push_m),
                                c.state ? values(c.state.contact_force) : no_force, field(reason_of(c.state.status)));
         for (int i = 0; c.state && i < model.mesh.node_count(); ++i)
             pressed += fmt::format("{},{},{},{}\n", name, i, values(c.state.displacement.row(i)), values(c.force_N.row(i)));
     }
     return {{"presses.csv", presses}, {"pressed.csv", pressed}};
+}
+
+/// Of a disc, at the points of each facet where it is kept.
+std::string correction_rows(double radius_m, const FacetTable& correction) {
+    std::string rows;
+    if (correction.value.rows() == 0) return rows;
+    const NodeField at = FacetTable::corners(FacetTable::parts_of(correction.value.cols()));
+    for (Eigen::Index f = 0; f < correction.value.rows(); ++f)
+        for (Eigen::Index v = 0; v < at.rows(); ++v) rows += fmt::format("{},{},{},{}\n", radius_m, f, values(at.row(v)), correction.value(f, v));
+    return rows;
 }
 
 /// Of a law in space, what stands in place of areas and surface.
@@ -133,11 +144,14 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
     const Embedding& embedding = model.mesh.embedding;
     std::string& inside = files["embedding.csv"] = "node," + corners + ",weight_000,weight_100,weight_010,weight_110,weight_001,weight_101,weight_011,weight_111\n";
     for (int node = 0; node < embedding.node_count(); ++node) inside += fmt::format("{},{},{}\n", node, values(embedding.corner.row(node)), values(embedding.weight.row(node)));
-    const FacetTable& correction = model.energy_law->disc.correction;
-    std::string& corrections = files["correction.csv"] = "facet,weight_i,weight_j,weight_k,log_scale\n";
-    const NodeField corners_of = correction.value.rows() > 0 ? FacetTable::corners(FacetTable::parts_of(correction.value.cols())) : NodeField();
-    for (Eigen::Index f = 0; f < correction.value.rows(); ++f)
-        for (Eigen::Index v = 0; v < corners_of.rows(); ++v) corrections += fmt::format("{},{},{}\n", f, values(corners_of.row(v)), correction.value(f, v));
+    const LawModel& law = *model.energy_law;
+    files["correction.csv"] = "radius_m,facet,weight_i,weight_j,weight_k,log_scale\n" + correction_rows(law.disc_radius_m, law.disc.correction);
+    for (std::size_t k = 0; k < law.sizes.correction.size(); ++k)
+        if (const double radius_m = law.sizes.radii_m[static_cast<Eigen::Index>(k)]; radius_m != law.disc_radius_m) files["correction.csv"] += correction_rows(radius_m, law.sizes.correction[k]);
+    if (law.contact_log_scale.size() > 0) {
+        std::string& surface = files["surface.csv"] = "node,contact_log_scale\n";
+        for (Eigen::Index node = 0; node < law.contact_log_scale.size(); ++node) surface += fmt::format("{},{}\n", node, law.contact_log_scale[node]);
+    }
     std::string& supports = files["supports.csv"] = "node,stiffness_N_m\n";
     for (Eigen::Index m = 0; m < tables.support_N_m.size(); ++m) supports += fmt::format("{},{}\n", model.mesh.fixed[static_cast<std::size_t>(m)], tables.support_N_m[m]);
     return files;

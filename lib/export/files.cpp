@@ -20,8 +20,7 @@ namespace {
 struct OwnFolder : Beside {
     explicit OwnFolder(const std::string& beside) : Beside(make_folder_beside(beside)) {}
     ~OwnFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder.path_of(name), ignored);
+        remove_folder(*this);
         ::close(descriptor);
     }
     OwnFolder(const OwnFolder&) = delete;

@@ -62,11 +62,10 @@ std::vector<PressedCase> pressed_cases(const TissueModel& model, const std::stri
     if (!model.mesh.is_solid()) surface.emplace(model.mesh);
     std::vector<PressedCase> cases;
     for (int c = 0; c < model.case_count(); ++c) {
-        if (!model.is_own_case(c)) continue;
         if (!name.empty() && model.case_names[static_cast<std::size_t>(c)] != name) continue;
         const Point contact_m = model.contact_m.row(c).transpose(), push_m = model.magnitude_m[c] * model.direction.row(c).transpose();
         const std::optional<double> arc_m = surface ? std::optional<double>(surface->arc_of(contact_m)) : std::nullopt;
-        const Equilibrium state = press.at(contact_m, push_m);
+        const Equilibrium state = press.of(model.radius_of(c)).at(contact_m, push_m);
         cases.push_back({c, arc_m, push_m, state, energy.force(model.energy_law->constants, state.displacement)});
     }
     if (cases.empty())

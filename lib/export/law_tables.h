@@ -26,7 +26,7 @@ struct LawTables {
 /// The model must have a law, in the plane; in space: export/solid_law_tables.h.
 LawTables law_tables(const TissueModel& model);
 
-/// The law's answer at a load case of the model.
+/// The law's answer at a load case of the model, under that case's disc.
 struct PressedCase {
     int load_case;
     std::optional<double> arc_m;  ///< of the contact, along the free surface; in the plane

@@ -1,10 +1,12 @@
 #include "export/solid_law_tables.h"
 
 #include <array>
+#include <map>
 
 #include "error.h"
 #include "springs/cell_volumes.h"
 #include "springs/contact_spring.h"
+#include "springs/law_at_radius.h"
 #include "springs/law_kernel.h"
 
 namespace tissue {
@@ -18,12 +20,21 @@ SolidLawTables solid_law_tables(const TissueModel& model) {
 
 ContactTable contact_table(const TissueModel& model, const std::vector<int>& load_cases) {
     constexpr const char* kinds[] = {"normal", "tangent", "imprint_normal", "imprint_tangent"};
-    const LawModel& law = *model.energy_law;
-    const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(model.mesh, law);
+    struct Disc {
+        LawModel law;
+        std::unique_ptr<ContactKernel> kernel;
+    };
+    std::map<double, Disc> discs;  // by radius
     ContactTable table;
     std::vector<std::array<double, 3>> push, pull, hardening;
     for (const int c : load_cases) try {
-            const ContactSpring contact(kernel->rows_at(model.contact_m.row(c).transpose()), law.patch);
+            const double radius_m = model.radius_of(c);
+            Disc& disc = discs[radius_m];
+            if (!disc.kernel) {
+                disc.law = law_at_radius(*model.energy_law, radius_m);
+                disc.kernel = make_contact_kernel(model.mesh, disc.law);
+            }
+            const ContactSpring contact(disc.kernel->rows_at(model.contact_m.row(c).transpose()), disc.law.patch);
             const ContactRows& rows = contact.rows;
             for (Eigen::Index r = 0; r < contact.k_N_m.size(); ++r) {
                 for (std::size_t i = 0; i < rows.nodes.size(); ++i) {

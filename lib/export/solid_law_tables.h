@@ -38,7 +38,7 @@ struct ContactTable {
 /// The model must have a law, in space.
 SolidLawTables solid_law_tables(const TissueModel& model);
 
-/// Of load cases of such a model. One that has nothing to push has no rows.
+/// Of load cases of such a model, each under its own disc. One that has nothing to push has no rows.
 ContactTable contact_table(const TissueModel& model, const std::vector<int>& load_cases);
 
 }  // namespace tissue

@@ -12,7 +12,7 @@ namespace tissue {
 struct DeviceSample {
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
     bool valid = true;   ///< false: the device reports an error, or has not spoken yet
-    double age_s = 0;    ///< since the device measured it
+    double age_s = 0;    ///< since the device measured it, at the time when the force of this tick begins
     /// What a force sensor in the tool feels of the tissue that it touches in the world [N], as the tool pushes; NaN where there is none.
     Eigen::Vector3d measured_N = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
     bool reset = false;  ///< the session that a replay plays was put to rest before this tick

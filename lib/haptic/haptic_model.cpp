@@ -126,7 +126,8 @@ void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt
     const double period_s = std::max(dt_s, 1 / device.rate_Hz);
     if (device.mass_kg > 0)
         refuse(mesh.contact_N_m, "at once", stable_stiffness_N_m(device, period_s, mesh.lead * dt_s / period_s),
-               [&] { return fmt::format("a device of {:g} kg and {:g} Ns/m, a force every {:g} s, is stable in any hand up to", device.mass_kg, device.damping_Ns_m, period_s); });
+               [&] { return fmt::format("a device of {:g} kg and {:g} Ns/m, a force every {:g} s{}, is stable in any hand up to", device.mass_kg, device.damping_Ns_m, period_s,
+                                       device.delay_s > 0 ? fmt::format(" and {:g} s late", device.delay_s) : ""); });
 }
 
 void check_options(const HapticOptions& o) {
@@ -210,6 +211,8 @@ ToolChoice tool_of(const TissueModel& model, ToolChoice asked) {
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     : study(model.study), tool(tool_of(model, given.tool)), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
     check_options(given);
+    if (!(given.device.mass_kg > 0) && (given.device.damping_Ns_m > 0 || std::isfinite(given.device.rate_Hz)))
+        throw MismatchError("device-damping and device-rate belong to a device-mass: without one nothing is judged by them");
     if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
     if (given.tools > 1 && (!model.energy_law || given.heuristic_mesh))
         throw MismatchError(!model.energy_law ? "two tools press an energy model alone, and this one has spring sets" : "two tools press the learned mesh alone, without the heuristic mesh beside it");

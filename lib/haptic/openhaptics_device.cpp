@@ -168,7 +168,7 @@ DeviceSample OpenHapticsDevice::read(double time_s) noexcept {
     const double* position = position_->get();
     sample.position_m = {position[0], position[1], position[2]};
     sample.valid = servo_ticks > 0 && vendor_error_.load(std::memory_order_relaxed) == 0;
-    sample.age_s = time_s - seen_at_s_;
+    sample.age_s = time_s - seen_at_s_ + touch_impedance.delay_s;  // at the time when the force that answers it goes out
     return sample;
 }
 

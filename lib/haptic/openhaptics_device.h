@@ -11,6 +11,7 @@ namespace tissue {
 /// needed to build, and none of its text is in here. The vendor's servo thread calls back about 1000 times a second;
 /// the callback swaps position and force with our tick through atomics, waits for nothing, and puts out zero force when
 /// the newest one is three quarters of force_held_s old: up to 2.5 ms may go by until it is called again.
+/// The force that answers a position goes out in the next callback: positions are as old as that when they are used, and DeviceImpedance::delay_s says so to whoever judges a tissue.
 /// The vendor works in millimetres; its x goes right, y up, z to the user.
 class OpenHapticsDevice final : public Device {
    public:

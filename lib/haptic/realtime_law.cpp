@@ -447,7 +447,7 @@ double RealtimeLaw::energy(const NodeColumns& u, BranchMemory memory) const {
 }
 
 BranchBook RealtimeLaw::branches(const BranchMemory& memory) const {
-    if (memory.empty()) return {};
+    if (memory.empty() || !memory.booked()) return {};
     return {sum_of_elements([&](int element) { return memory.branches_stored(element); }), sum_of_elements([&](int element) { return memory.branches_dissipated(element); })};
 }
 

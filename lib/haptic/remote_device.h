@@ -28,8 +28,9 @@ namespace tissue {
 /// The age of a position is that of the time in its datagram, by the difference of the two clocks: the least that has been seen, which may grow by a
 /// thousandth of the time that passes. A position that waited in the socket while the program stood still is as old as it is.
 ///
-/// A force goes to the peer in every tick between start() and stop(). One position is wanted for every tick: what a hand has come since the last is taken for
-/// its way in one tick, and more of it than SafetyOptions::speed_max_m_s is a jump - at 100 a second, from a tenth of that speed on. The motors are
+/// A force goes to the peer in every tick between start() and stop(). One position is wanted for every tick; where they come less often, a hand's speed is judged by the time
+/// between two measurements, by time_s. How old a position is when it comes is known but for the least age seen, which counts as 0: a way that takes a millisecond or more each time makes a hand
+/// swing on tissue that would let it rest. The motors are
 /// the client's: it takes forces of this socket alone, limits them, and lets go of one when no other has come for three quarters of force_held_s, as
 /// scripts/remote_device.py does.
 struct PositionDatagram {

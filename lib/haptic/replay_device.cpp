@@ -2,37 +2,26 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "haptic/device_error.h"
 #include "haptic/recorder.h"
+#include "io/csv_columns.h"
+#include "io/csv_table.h"
 #include "io/hdf5_store.h"
+#include "io/one_line.h"
 
 namespace tissue {
-namespace {
-
-std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> fields;
-    std::stringstream in(line);
-    for (std::string field; std::getline(in, field, ',');) {
-        while (!field.empty() && (field.back() == '\r' || field.back() == ' ')) field.pop_back();
-        while (!field.empty() && field.front() == ' ') field.erase(0, 1);
-        fields.push_back(field);
-    }
-    return fields;
-}
-
-}  // namespace
 
 const DeviceKind ReplayDevice::kind = {
     "replay",
     {{"trajectory", "FILE", "", "of replay: CSV or a recording", true}},
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
-        return std::make_unique<ReplayDevice>(v.at("trajectory"), c.tool);
+        auto device = std::make_unique<ReplayDevice>(v.at("trajectory"), c.tool);
+        if (c.rest && c.rest->is_solid() && !device->has_z()) throw DeviceError(v.at("trajectory") + ": has no column z_m, and the tissue is in space");
+        return device;
     },
     {}, 0, true, true};
 
@@ -43,36 +32,33 @@ ReplayDevice::ReplayDevice(const std::string& file, int tool) {
 }
 
 void ReplayDevice::read_csv(const std::string& file) {
-    std::ifstream in(file);
-    std::string line;
-    if (!in || !std::getline(in, line)) throw FileError(file + ": cannot be read, or is empty");
+    CsvTable line(file);
+    if (!line.next_row()) throw FileError(file + ": is empty");
     static const std::vector<std::string> known = {"time_s", "x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N"};
+    const std::string wanted = "wanted the columns time_s,x_m,y_m and as you like z_m,fx_N,fy_N,fz_N";
     std::vector<int> column(known.size(), -1);
-    const std::vector<std::string> header = split(line);
-    for (std::size_t h = 0; h < header.size(); ++h)
-        for (std::size_t k = 0; k < known.size(); ++k)
-            if (header[h] == known[k]) column[k] = static_cast<int>(h);
-    if (column[0] < 0 || column[1] < 0 || column[2] < 0)
-        throw FileError(file + ": line 1: wanted the columns time_s,x_m,y_m and as you like z_m,fx_N,fy_N,fz_N");
-    const bool reference = column[4] >= 0 && column[5] >= 0;
-    for (int number = 2; std::getline(in, line); ++number) {
-        const std::vector<std::string> fields = split(line);
-        if (fields.empty()) continue;
+    const std::size_t columns = line.size();
+    for (std::size_t h = 0; h < columns; ++h) {
+        const auto k = std::find(known.begin(), known.end(), trimmed(line.field(h)));
+        if (k == known.end()) line.refuse(fmt::format("column '{}' is not known; {}", one_line(line.field(h)), wanted));
+        int& at = column[static_cast<std::size_t>(k - known.begin())];
+        if (at >= 0) line.refuse(fmt::format("column '{}' is there twice", *k));
+        at = static_cast<int>(h);
+    }
+    if (column[0] < 0 || column[1] < 0 || column[2] < 0) line.refuse(wanted);
+    if ((column[4] < 0) != (column[5] < 0) || (column[6] >= 0 && column[4] < 0)) line.refuse("forces are fx_N and fy_N, in space fz_N too");
+    const bool reference = column[4] >= 0;
+    while (line.next_row()) {
+        if (line.size() != columns) line.refuse(fmt::format("has {} fields, the header has {}", line.size(), columns));
         double value[7] = {};
-        for (std::size_t k = 0; k < known.size(); ++k) {
-            if (column[k] < 0) continue;
-            const auto c = static_cast<std::size_t>(column[k]);
-            char* end = nullptr;
-            if (c < fields.size()) value[k] = std::strtod(fields[c].c_str(), &end);
-            if (c >= fields.size() || end == fields[c].c_str() || *end != '\0' || !std::isfinite(value[k]))
-                throw FileError(fmt::format("{}: line {}: no number for {}", file, number, known[k]));
-        }
-        if (!time_s_.empty() && !(value[0] > time_s_.back()))
-            throw FileError(fmt::format("{}: line {}: times must ascend", file, number));
+        for (std::size_t k = 0; k < known.size(); ++k)
+            if (column[k] >= 0) value[k] = line.number(static_cast<std::size_t>(column[k]), known[k]);
+        if (!time_s_.empty() && !(value[0] > time_s_.back())) line.refuse("times must ascend");
         time_s_.push_back(value[0]);
         position_m_.push_back({value[1], value[2], value[3]});
         if (reference) reference_N_.push_back({value[4], value[5], value[6]});
     }
+    has_z_ = column[3] >= 0;
 }
 
 void ReplayDevice::read_recording(const std::string& file, int tool) {

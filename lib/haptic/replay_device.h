@@ -7,7 +7,7 @@
 
 namespace tissue {
 
-/// Plays a recorded trajectory: a CSV with the header time_s,x_m,y_m[,z_m][,fx_N,fy_N[,fz_N]], ascending times, or a
+/// Plays a recorded trajectory: a CSV with the header time_s,x_m,y_m[,z_m][,fx_N,fy_N[,fz_N]], ascending times, read as CsvTable (another column is refused), or a
 /// recording of tissue-haptic (.h5). Between rows the hand moves on a straight line. Where the file has forces they
 /// are the reference: statistics() says how far ours are from them. They are what went to the hand, so that the tool's own, which a sensor
 /// would have read, are their opposite. Where a recording was reset, the tissue is put to rest again: what relaxes remembers what it did
@@ -25,6 +25,7 @@ class ReplayDevice final : public Device {
     bool finished() const noexcept override { return finished_; }
     std::vector<std::pair<std::string, double>> statistics() const override;
 
+    bool has_z() const { return has_z_; }  ///< else z is 0
     std::size_t size() const { return time_s_.size(); }
 
    private:
@@ -37,6 +38,7 @@ class ReplayDevice final : public Device {
     std::vector<Eigen::Vector3d> position_m_, reference_N_;  ///< reference empty when the file has none
     std::vector<bool> reset_;  ///< before a row; empty when the file does not say
     std::size_t next_ = 1, passed_ = 0;  ///< row ahead, and rows whose reset has been told
+    bool has_z_ = true;
     double share_ = 0;       ///< between next_ - 1 and next_
     bool finished_ = false, answered_ = true;  ///< a force has come for the position read last: write() after read() is compared once, the zero at a session's end is not
     double squared_error_ = 0, squared_reference_ = 0, largest_error_ = 0;

@@ -101,7 +101,10 @@ bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
     between_s_ = 0;
     if (!fresh) return true;
     const double time = std::max(between_s, o_.dt_s);
-    const bool jump = has_position_ && !(motion.norm() <= o_.speed_max_m_s * time * rounding);
+    allowed_s_ = std::min(allowed_s_ + between_s, time);
+    const double taken_s = motion.norm() / o_.speed_max_m_s;
+    const bool jump = has_position_ && !(taken_s <= allowed_s_ * rounding + 1e-9 * o_.dt_s);  // positions are rounded
+    if (!jump) allowed_s_ = has_position_ ? std::max(0.0, allowed_s_ - taken_s) : o_.dt_s;
     position_m_ = position_m;
     const bool one_force = age_s == 0 && since_good_s_ <= elapsed_s_;  // from tick to tick, which may take no time
     const double before_s = between_s > 0 ? since_good_s_ : age_s + 1e-9 * o_.dt_s;  // of two at one time, the force then

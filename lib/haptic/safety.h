@@ -24,7 +24,7 @@ constexpr double surplus_fades_s = 5;
 
 struct SafetyCounters {
     long long bad_input = 0;   ///< not finite, farther than a kilometre, or the device reported an error
-    long long jump = 0;        ///< master moved by more than speed_max in one tick
+    long long jump = 0;        ///< master moved faster than speed_max, over dt at least
     long long stale = 0;       ///< position too old
     long long late = 0;        ///< ticks so late that the device had let go of the force: it begins again at zero
     long long clamped = 0;     ///< ticks at force_max
@@ -124,7 +124,7 @@ class Safety {
     void become(const SafetyOptions& options) noexcept;
 
     void fields(StateBytes& state) noexcept {
-        state(o_, counters_, force_N_, held_, position_m_, motion_m_, has_position_, has_motion_, jumped_, unknown_way_, elapsed_s_, since_good_s_, between_s_, observed_J_, lateness_);
+        state(o_, counters_, force_N_, held_, position_m_, motion_m_, has_position_, has_motion_, jumped_, unknown_way_, elapsed_s_, since_good_s_, between_s_, allowed_s_, observed_J_, lateness_);
     }
     const SafetyCounters& counters() const { return counters_; }
     const Eigen::Vector3d& force_N() const { return force_N_; }
@@ -149,6 +149,7 @@ class Safety {
     double elapsed_s_;                                      ///< of the tick behind
     double since_good_s_ = 0;                               ///< since the last good position was measured
     double between_s_ = 0;
+    double allowed_s_ = 0;                                  ///< that the fastest hand may go now: since the last position, and of dt what it did not use before
     double observed_J_ = 0;
     double lateness_ = 1;
 };

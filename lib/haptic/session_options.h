@@ -51,6 +51,6 @@ HapticOptions interface_options();
 void set_option(HapticOptions& options, const std::string& name, const std::string& value, unsigned changeable = everywhere);
 
 /// What may still change of a session.
-inline unsigned changeable(const Simulation& session) { return session.counters().ticks > 0 ? live : live | limits; }
+inline unsigned changeable(const Simulation& session) { return session.has_begun() ? live : live | limits; }
 
 }  // namespace tissue

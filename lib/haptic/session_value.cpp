@@ -20,6 +20,8 @@ Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
     std::vector<std::byte> state(other.state_size());
     other.save(state.data());
     restore(state.data(), state.size());
+    begun_ = other.begun_;
+    followed_ = other.followed_;
 }
 
 void Simulation::fields(StateBytes& state) noexcept {
@@ -78,7 +80,7 @@ void Simulation::restore(const std::byte* from, std::size_t size) {
     if (head.fingerprint != model_.fingerprint) throw MismatchError("the state is of a session of another model, or of other options");
     if (head.size != size - sizeof head || head.checksum != XXH3_64bits(from + sizeof head, size - sizeof head)) throw MismatchError("the session's state is damaged");
     const FlushDenormals mode;
-    const bool begun = counters_.ticks > 0;
+    const bool begun = begun_;
     SafetyOptions own[most_tools];
     double device_N[most_tools];
     for (int k = 0; k < tool_count(); ++k) own[k] = of(k).options.safety, device_N[k] = of(k).options.device.force_max_N;
@@ -92,6 +94,7 @@ void Simulation::restore(const std::byte* from, std::size_t size) {
         t.options.safety = own[k];
         t.show_no_more(on_law(t));
     }
+    begun_ = begun || counters_.ticks > 0;
     ++restores_;
 }
 
@@ -101,7 +104,7 @@ void Simulation::change(const HapticOptions& given, int tool) {
     next.map = given.map;
     next.friction = given.friction;
     next.device = given.device;
-    const bool begun = counters_.ticks > 0;
+    const bool begun = begun_;
     if (begun) next.device.force_max_N = t.options.device.force_max_N;
     else {
         const double hold_s = next.safety.hold_s, dt_s = next.safety.dt_s;
@@ -129,7 +132,7 @@ void Simulation::change(const HapticOptions& given, int tool) {
 
 void Simulation::follow(const Simulation& from) {
     check_take_over(from);
-    if (counters_.ticks > 0) throw MismatchError("only a session that has not ticked yet follows another");
+    if (begun_) throw MismatchError("only a session that has not ticked yet follows another");
     for (int k = 0; k < tool_count(); ++k) {
         ToolState& t = of(k);
         const ToolState& theirs = from.of(k);
@@ -139,6 +142,8 @@ void Simulation::follow(const Simulation& from) {
         t.options.device = theirs.options.device;
         t.safety = Safety(t.options.safety);
     }
+    followed_.clear();
+    for (const ToolState& theirs : from.tools_) followed_.push_back(theirs.contacts);
     std::vector<Point> at_m;  // where tools are
     for (int k = 0; k < tool_count(); ++k) at_m.push_back(way_to(from, k).outside_m);
     for (int k = 0; k < tool_count(); ++k)
@@ -192,6 +197,7 @@ void Simulation::lead_to(const Simulation& from, int tool, std::vector<Point>& a
 }
 
 void Simulation::take_over(const Simulation& from) noexcept {
+    begun_ = begun_ || from.begun_;
     counters_ = from.counters_;
     rested_s_ = from.record().time_s;
     std::copy_n(from.since_, 2, since_);
@@ -210,6 +216,9 @@ void Simulation::check_take_over(const Simulation& from) const {
     if (from.tool_count() != tool_count()) throw MismatchError(fmt::format("a session of {} tools cannot go on where one of {} was", tool_count(), from.tool_count()));
     if (const double hold_s = from.options().safety.hold_s; !(model_.options.dt_s <= hold_s / 2))
         throw MismatchError(fmt::format("dt is {:g} s, and the device of the other session holds a force for {:g} s: dt must be at most half of that", model_.options.dt_s, hold_s));
+    for (std::size_t k = 0; k < followed_.size(); ++k)
+        if (from.tools_[k].touched >= 0 && from.tools_[k].contacts != followed_[k])
+            throw MismatchError("the tool has begun another contact since it was followed: another session follows it anew");
     for (const ToolState& theirs : from.tools_)
         for (const auto& mesh : model_.meshes) check_device(theirs.options.device, theirs.options.map, model_.options.dt_s, *mesh);
 }

@@ -100,12 +100,13 @@ static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
 
 /// Time that is owed is made up for while a tick costs less than half of the time that it goes through. Where it costs more, in two ticks one after the other (one alone was interrupted), a tick
 /// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks and a tenth more: a host that keeps up loses none while its periods stray by less than that.
-/// Where it would cost more than 0.9 of that time, it goes through less, so that it costs 0.9. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing,
+/// Where it would cost more than 0.9 of that time, it goes through less, so that it costs 0.9. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing, nor does one tick that comes in less than half of it,
 /// and ticks that were long become short again. What is owed beyond that is lost. A tick always goes through dt.
 void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
     constexpr double half = 0.45, most = 0.9, growth = 1.02, strays = 1.1;
     if (went_s_ > 0) cost_[0] = std::exchange(cost_[1], std::max(0.0, cost_s) / went_s_);
-    usual_s_ = usual_s_ > 0 ? std::min(since_s, growth * usual_s_) : since_s;
+    const bool early = since_s < usual_s_ / 2 && since_[0] >= usual_s_ / 2;  // once, as after a stall
+    if (!early) usual_s_ = usual_s_ > 0 ? std::min(since_s, growth * usual_s_) : since_s;
     const double least = cost_s > 0 ? std::min(cost_[0], cost_[1]) : 0;
     longest_s_ = least > half ? std::max(model_.options.dt_s, std::min(strays, most / least) * usual_s_) : std::numeric_limits<double>::infinity();
     went_s_ = 0;
@@ -149,10 +150,7 @@ int Simulation::steps_due(std::size_t m) noexcept {
     if (const double lost_s = left_s - longest_s; lost_s > 1e-6 * h) {
         due_s_[m] -= lost_s;
         left_s = longest_s;
-        if (m == 0) {
-            counters_.lost_s += lost_s;
-            pass_untouched(-lost_s);
-        }
+        lost_s_ = std::max(lost_s_, lost_s);
     }
     const int steps = std::max(0, static_cast<int>(std::lround(std::min(left_s, most_s) / h)));
     spare_s_[m] = too_dear ? 0 : std::min(longest_s - steps * h, h / 2);
@@ -223,7 +221,9 @@ void Simulation::move_hand(ToolState& t, const DeviceSample& sample, double sinc
 __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, Eigen::Vector3d* force_N, double elapsed_s, double cost_s) noexcept {
     if (std::any_of(samples, samples + tools_.size(), [](const DeviceSample& sample) { return sample.reset; })) reset();
     ++counters_.ticks;
+    begun_ = true;
     const double since_s = since_last_s(elapsed_s, options());
+    if (elapsed_s > since_s && std::isfinite(elapsed_s)) counters_.lost_s += elapsed_s - since_s;
     time_passes(since_s);
     keep_ticks_short(since_s, cost_s);
     const Point last_N = record().coupling_N;
@@ -252,6 +252,7 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
         }
         if (!t.armed) t.record.status = TickStatus::not_armed;
         if (t.contact.pressing) slide(t);
+        if (t.taken_over) t.slid_m.setZero();  // as far as the hand has gone since it was followed, at once: no speed of the contact
     }
     if (folded) ++counters_.folded;
 

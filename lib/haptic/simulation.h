@@ -131,6 +131,7 @@ class Simulation {
     const TickRecord& record(int tool = 0) const { return of(tool).record; }
     double went_s() const { return went_s_; }  ///< through which the tissue went in the last tick
     const HapticCounters& counters() const { return counters_; }
+    bool has_begun() const { return begun_; }  ///< it has ticked; no state says otherwise
     long long unarmed(int tool = 0) const { return of(tool).unarmed; }  ///< ticks inside tissue, while the master had not been outside since the start or a fault
     const Friction& friction(int tool = 0) const { return of(tool).friction; }
     const Safety& safety(int tool = 0) const { return of(tool).safety; }
@@ -194,14 +195,16 @@ class Simulation {
     void slide(ToolState& t) noexcept;
     void lay_tool(ToolState& t, const Point& push_m) noexcept;
     void hold_tool(ToolState& t) noexcept;
-    bool tool_pushes(const ToolState& t) const noexcept;
+    bool tool_pushes(const ToolState& t, const Point& tool_m) const noexcept;
     void look_for_contact(ToolState& t, const ContactState& from, int left) noexcept;
     void wait_for_outside(ToolState& t) noexcept;
     void pass_untouched(double seconds) noexcept;
     void select_set(ToolState& t, const Point& on_tissue_N) noexcept;
     void average_stiffness() noexcept;
     void step_meshes() noexcept;
+    void stand_on(ToolState& t, std::size_t mesh) noexcept;
     void advance_mesh(std::size_t mesh) noexcept;
+    void record_contact(ToolState& t) noexcept;
     ContactLoad load_of(ToolState& t, std::size_t mesh) noexcept;
     void remember_contact(ToolState& t, int steps) noexcept;
 
@@ -215,6 +218,7 @@ class Simulation {
     double went_s_ = 0;           ///< through which the meshes went in the last tick
     double cost_[2] = {0, 0};     ///< of a tick, over the time that its meshes went through, the last two; 0: not known
     double usual_s_ = 0;          ///< between ticks; 0: not known yet
+    double lost_s_ = 0;           ///< by the mesh that lost most in this tick, of what it owed
     double longest_s_ = 0;        ///< through which meshes may go in this tick
     std::vector<MeshState> states_;
     std::vector<std::unique_ptr<MovingSurface>> surfaces_;
@@ -224,6 +228,8 @@ class Simulation {
     bool sound_ = true;           ///< and none does
     double rested_s_ = 0;
     bool reset_ = false;          ///< since the last tick
+    bool begun_ = false;
+    std::vector<long long> followed_;  ///< contact of each tool that follow() led it to, by ToolState::contacts; empty where none was followed
     int set_ = 0;                 ///< (19)'s K_l
     int restores_ = 0;
     HapticCounters counters_;

@@ -52,6 +52,7 @@ bool Simulation::find_contact(ToolState& t) noexcept {
 void Simulation::begin_contact(ToolState& t, int mesh) noexcept {
     const Point& master_m = t.record.master_m;
     t.touched = mesh;
+    ++t.contacts;
     t.at_m = master_m;
     t.slid_m.setZero();
     t.slide_m_s.setZero();
@@ -63,7 +64,7 @@ void Simulation::begin_contact(ToolState& t, int mesh) noexcept {
     t.show_no_more(on_law(t));
     for (ToolMemory& memory : t.memory) memory.forget();
     if (pressed.law)
-        t.contact.pressing = tool_pushes(t);
+        t.contact.pressing = tool_pushes(t, t.at_the_end(master_m, period_s_));
     else
         t.coupling_N_m = *model_.options.coupling_ratio * model_.stiffness->at(t.contact.where.facet, t.contact.where.weight[1]);
 }
@@ -73,11 +74,11 @@ void Simulation::lay_tool(ToolState& t, const Point& push_m) noexcept {
     if (model_.is_law()) laws_[0]->contact(t.contact.where.facet, t.contact.where.weight, push_m, states_[static_cast<std::size_t>(t.touched)].displacement, t.spring);
 }
 
-/// Whether the tool, held where it will be at the time to which the mesh has come, pushes the law's tissue in: its force has a part along the rest's inward normal, whole or
+/// Whether the tool, held at a place, such as where it will be at the time to which the mesh has come, pushes the law's tissue in: its force has a part along the rest's inward normal, whole or
 /// without the imprint on single nodes. That swings fast where it is stiff; a contact let go at each swing would be pumped up by them.
-bool Simulation::tool_pushes(const ToolState& t) const noexcept {
+bool Simulation::tool_pushes(const ToolState& t, const Point& tool_m) const noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
-    const Point push = push_of(t, t.at_the_end(t.record.master_m, period_s_), m);
+    const Point push = push_of(t, tool_m, m);
     const NodeColumns& u = states_[m].displacement;
     const ToolMemory& memory = t.memory[m];
     return t.spring.mean_N(push, u, &memory).dot(t.spring.inward()) > 0 || t.spring.hand_N(push, u, &memory).dot(t.spring.inward()) > t.spring.growth().force_N;
@@ -85,15 +86,17 @@ bool Simulation::tool_pushes(const ToolState& t) const noexcept {
 
 /// A law's contact keeps its place, and presses while it pushes the tool out. The surface does not say whether:
 /// the patch's spline is smoother, and the tool may lie on either side of it. Contact ends when the patch does not push and the
-/// tool is out of the surface, or when it is farther out of it than the surface's nodes lie apart, which no patch explains.
+/// tool is out of the surface, or when it is farther out of it than the surface's nodes lie apart, which no patch explains. Where ticks come less often than dt, tissue that
+/// swings is out of reach at one and back before the next, and contact does not end while the tool is deeper than where it touched the tissue at rest: begun anew at each tick it would be pumped up.
 void Simulation::hold_tool(ToolState& t) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     const MovingSurface& surface = *surfaces_[m];
     const Point& master_m = t.record.master_m;
     if (laws_[0]->contact_grows()) lay_tool(t, t.spring.shown_push(push_of(t, t.at_the_end(master_m, period_s_), m), states_[m].displacement));
-    t.contact.pressing = tool_pushes(t);
+    t.contact.pressing = tool_pushes(t, t.at_the_end(master_m, period_s_));
+    const bool waits = !t.contact.pressing && period_s_ > 1.5 * model_.options.dt_s && push_of(t, master_m, m).dot(t.spring.inward()) > 0;
     if (!surface.contains(master_m) &&
-        (!t.contact.pressing || surface.nearest(master_m).distance_m > laws_[m]->spacing_m())) {
+        ((!t.contact.pressing && !waits) || surface.nearest(master_m).distance_m > laws_[m]->spacing_m())) {
         t.contact.contact = t.contact.pressing = false;
         t.contact.proxy_m = master_m;
         return;
@@ -189,44 +192,90 @@ ContactLoad Simulation::load_of(ToolState& t, std::size_t m) noexcept {
     return load;
 }
 
+/// A tool on the mesh that it touches, in a tick without a step: its force as it stands.
+void Simulation::stand_on(ToolState& t, std::size_t m) noexcept {
+    const HapticMesh& mesh = *model_.meshes[m];
+    const MeshState& state = states_[m];
+    ContactLoad load = load_of(t, m);
+    const Point moved_m = t.at_the_end(t.record.master_m, period_s_) + (model_.options.dt_s - due_s_[m] - period_s_) * t.velocity_m_s - t.at_m;  // since the last step
+    if (load.tool) *load.push_m += moved_m;
+    else load.master_m += moved_m;
+    load.velocity_m_s -= t.slide_m_s;
+    held_ = state.displacement + load.ahead_s * state.velocity;
+    t.record.coupling_N = -load.force_at(mesh.springs, held_);
+}
+
 /// A mesh to the end of the time in which this tick's force is held. A tool that is held goes straight on to where the hand will be then, and its record gets
-/// the mean of its force over that time; where no step is due, the force as it stands.
+/// the mean of its force over that time. A tick of two dt or more goes through them one by one: whether a law's tool presses is asked anew in each, or tissue that swings would be let go for as long as the tick is.
 void Simulation::advance_mesh(std::size_t m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
     MeshState& state = states_[m];
     const double h = model_.options.dt_s / mesh.substeps;
-    ContactLoads loads;
-    ToolState* held[most_tools];  // whose load it is; nothing where the mesh gets its force alone
     const int steps = steps_due(m);
-    for (ToolState& t : tools_) {
+    const auto holds = [m](const ToolState& t) { return static_cast<int>(m) == t.touched; };
+    if (steps == 0) {
+        for (ToolState& t : tools_)
+            if (t.contact.pressing && holds(t)) stand_on(t, m);
+        return;
+    }
+    Point course_m_s[most_tools];
+    bool held = false;
+    for (std::size_t k = 0; k < tools_.size(); ++k) {
+        ToolState& t = tools_[k];
+        if (!t.contact.contact || !holds(t)) continue;
+        held = true;
+        course_m_s[k] = (t.at_the_end(t.record.master_m, period_s_) - t.at_m) / (steps * h);
         if (!t.contact.pressing) continue;
-        const bool holds = static_cast<int>(m) == t.touched;
-        held[loads.count] = holds ? &t : nullptr;
-        ContactLoad& load = loads.load[loads.count++] = load_of(t, m);
-        if (!holds) continue;
-        if (steps == 0) {
-            const Point moved_m = t.at_the_end(t.record.master_m, period_s_) + (model_.options.dt_s - due_s_[m] - period_s_) * t.velocity_m_s - t.at_m;  // since the last step
-            if (load.tool) *load.push_m += moved_m;
-            else load.master_m += moved_m;
-            load.velocity_m_s -= t.slide_m_s;
-            held_ = state.displacement + load.ahead_s * state.velocity;
-            t.record.coupling_N = -load.force_at(mesh.springs, held_);
-            continue;
-        }
-        load.velocity_m_s = (t.at_the_end(t.record.master_m, period_s_) - t.at_m) / (steps * h);
-        t.at_m += steps * h * load.velocity_m_s;
         t.slide_m_s = t.slid_m / (steps * h);
         t.slid_m.setZero();
-        load.velocity_m_s -= t.slide_m_s;  // a place that goes along with the tool is neither stretched nor damped by that
     }
-    if (steps == 0) return;
-    const int of_last = std::clamp(static_cast<int>(std::lround(period_s_ / h)), 1, steps);
-    Point mean_N[most_tools];
-    dynamics_[m]->advance(state, loads, h, steps, of_last, mean_N);
-    for (int k = 0; k < loads.count; ++k)
-        if (held[k]) held[k]->record.coupling_N = -mean_N[k];
-    for (ToolState& t : tools_)
-        if (t.contact.contact && !t.contact.pressing && static_cast<int>(m) == t.touched) remember_contact(t, steps);
+    const bool asks = held && mesh.law && steps >= 2 * mesh.substeps;
+    const int of_last = std::clamp(static_cast<int>(std::lround(period_s_ / h)), 1, steps), most = asks ? mesh.substeps : steps;
+    Point sum_N[most_tools];
+    for (std::size_t k = 0; k < tools_.size(); ++k) sum_N[k] = Point::Zero(model_.dimension());
+    bool pressed[most_tools] = {};
+    for (int done = 0; done < steps;) {
+        const int n = std::min(most, steps - done), last = std::clamp(of_last - (steps - done - n), 0, n);
+        ContactLoads loads;
+        std::size_t of[most_tools];  // whose load it is
+        for (std::size_t k = 0; k < tools_.size(); ++k) {
+            ToolState& t = tools_[k];
+            if (!t.contact.contact) continue;
+            const Point on_m = holds(t) ? Point(t.at_m + n * h * course_m_s[k]) : Point();
+            if (asks && holds(t)) t.contact.pressing = tool_pushes(t, on_m - (done + n) * h * t.slide_m_s);
+            if (t.contact.pressing) {
+                of[loads.count] = k;
+                ContactLoad& load = loads.load[loads.count++] = load_of(t, m);
+                if (holds(t)) {  // a place that goes along with the tool is neither stretched nor damped by that
+                    load.velocity_m_s = course_m_s[k] - t.slide_m_s;
+                    if (done > 0) *load.push_m -= done * h * t.slide_m_s;
+                }
+            }
+            if (holds(t)) t.at_m = on_m;
+        }
+        Point mean_N[most_tools];
+        dynamics_[m]->advance(state, loads, h, n, std::max(last, 1), mean_N);
+        for (int k = 0; k < loads.count; ++k) {
+            pressed[of[k]] = true;
+            if (last > 0) sum_N[of[k]] += last * mean_N[k];
+        }
+        for (ToolState& t : tools_)
+            if (t.contact.contact && !t.contact.pressing && holds(t)) remember_contact(t, n);
+        done += n;
+    }
+    for (std::size_t k = 0; k < tools_.size(); ++k)
+        if (ToolState& t = tools_[k]; pressed[k] && holds(t)) {
+            record_contact(t);
+            t.record.coupling_N = -sum_N[k] / of_last;
+        }
+}
+
+/// The tick's record of a tool that presses, or did in a part of it.
+void Simulation::record_contact(ToolState& t) noexcept {
+    t.untouched_s = 0;
+    t.record.mesh = t.touched;
+    t.record.facet = t.contact.where.facet;
+    t.record.weight = t.contact.where.weight;
 }
 
 /// Every mesh. The touched one goes first: its coupling, or patch, gives the force that the others get as well.
@@ -234,16 +283,15 @@ void Simulation::step_meshes() noexcept {
     for (ToolState& t : tools_) {
         t.record.proxy_m = t.contact.proxy_m;
         t.record.set = model_.is_law() ? -1 : set_;
-        if (!t.contact.pressing) continue;
-        t.untouched_s = 0;
-        t.record.mesh = t.touched;
-        t.record.facet = t.contact.where.facet;
-        t.record.weight = t.contact.where.weight;
+        if (t.contact.pressing) record_contact(t);
     }
     const auto first = static_cast<std::size_t>(std::max(tools_[0].touched, 0));  // of two tools there is one mesh
+    lost_s_ = 0;
     advance_mesh(first);
     for (std::size_t m = 0; m < states_.size(); ++m)
         if (m != first) advance_mesh(m);
+    counters_.lost_s += lost_s_;
+    pass_untouched(-lost_s_);
     for (ToolState& t : tools_) {
         if (t.contact.pressing) continue;
         t.at_m = t.at_the_end(t.record.master_m, period_s_);

@@ -40,7 +40,26 @@ bool drawn_for(const std::string& last, const std::string& name) {
            name.find_first_not_of("0123456789abcdef", digits) == end && name.compare(end, ending.size(), ending) == 0;
 }
 
-/// Removes what a killed program has left: of this user, and nobody holds its lock.
+/// Removes what is in an open folder, and then the name, which another user may have given to something else meanwhile: an empty folder goes, nothing else.
+void remove_open_folder(int descriptor, const OpenFolder& folder, const std::string& name) {
+    std::error_code error, ignored;
+    for (std::filesystem::directory_iterator entry(fmt::format("/proc/self/fd/{}/", descriptor), error), end; !error && entry != end; entry.increment(error))
+        std::filesystem::remove_all(entry->path(), ignored);
+    ::unlinkat(folder.descriptor(), name.c_str(), AT_REMOVEDIR);
+}
+
+/// Whether a folder was made here: the file in it that bears its name says so. Another user may rename a folder of this one, but put no file into it.
+bool made_here(int descriptor, const std::string& name) {
+    struct stat mark {};
+    return ::fstatat(descriptor, name.c_str(), &mark, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(mark.st_mode) && mark.st_uid == ::geteuid();
+}
+
+bool mark(int descriptor, const std::string& name) {
+    const int file = ::openat(descriptor, name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    return file >= 0 && ::close(file) == 0;
+}
+
+/// Removes what a killed program has left: a file, or a folder made here, of this user, and nobody holds its lock.
 void remove_left_over(const FilePlace& place) {
     std::error_code error;
     for (std::filesystem::directory_iterator entry(place.folder.path_of(""), error), end; !error && entry != end; entry.increment(error)) {
@@ -49,9 +68,10 @@ void remove_left_over(const FilePlace& place) {
         const int descriptor = ::openat(place.folder.descriptor(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
         if (descriptor < 0) continue;
         struct stat status {};
-        std::error_code ignored;
-        if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor, LOCK_EX) && is_open_as(descriptor, place.folder, name))
-            std::filesystem::remove_all(place.folder.path_of(name), ignored);
+        if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor, LOCK_EX) && is_open_as(descriptor, place.folder, name)) {
+            if (S_ISREG(status.st_mode)) ::unlinkat(place.folder.descriptor(), name.c_str(), 0);
+            if (S_ISDIR(status.st_mode) && made_here(descriptor, name)) remove_open_folder(descriptor, place.folder, name);
+        }
         ::close(descriptor);
     }
 }
@@ -81,7 +101,7 @@ Beside make_beside(const std::string& named, Kind kind) {
         if (descriptor < 0) throw FileError(fmt::format("{}: cannot write: {}", named, std::strerror(errno)));
         // shared: the file has its final name a moment before it is closed, and HDF5 opens no file that is locked exclusively
         const bool ours = locked(descriptor, LOCK_SH) || errno != EWOULDBLOCK;  // some network disks have no locks
-        if (ours && is_open_as(descriptor, place.folder, name)) return {std::move(place.folder), place.name, name, descriptor};
+        if (ours && is_open_as(descriptor, place.folder, name) && (kind == Kind::file || mark(descriptor, name))) return {std::move(place.folder), place.name, name, descriptor};
         ::close(descriptor);
     }
     throw FileError(named + ": cannot write: no name beside it is free");
@@ -92,5 +112,7 @@ Beside make_beside(const std::string& named, Kind kind) {
 Beside make_file_beside(const std::string& place) { return make_beside(place, Kind::file); }
 
 Beside make_folder_beside(const std::string& place) { return make_beside(place, Kind::folder); }
+
+void remove_folder(const Beside& made) { remove_open_folder(made.descriptor, made.folder, made.name); }
 
 }  // namespace tissue

@@ -54,9 +54,14 @@ void CsvLines::refuse_fields() const { refuse(fmt::format("has more than {} fiel
 
 double CsvLines::number(std::size_t i, const std::string& column) const {
     const std::string& field = fields_[i];
+    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
+    const char *begin = field.data(), *last = begin + field.size();
+    while (of_people() && begin < last && blank(*begin)) ++begin;
+    while (of_people() && begin < last && blank(last[-1])) --last;
+    if (of_people() && last - begin > 1 && *begin == '+' && begin[1] != '-') ++begin;  // some programs write it, std::from_chars knows none
     double value = 0;
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
+    const auto [end, error] = std::from_chars(begin, last, value);
+    if (error != std::errc() || end != last || !std::isfinite(value))
         refuse(fmt::format("{} is '{}', not a finite number{}", column.empty() ? fmt::format("field {}", i + 1) : "column '" + column + "'", field,
                            field.find(',') != std::string::npos ? "; write a point, not a comma, before decimals, and nothing between thousands" : ""));
     return value;

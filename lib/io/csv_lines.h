@@ -28,14 +28,18 @@ class CsvLines {
     std::size_t size() const { return fields_.size(); }
     const std::string& field(std::size_t i) const { return fields_[i]; }
 
-    /// A field as a finite number. Throws FileError with the place and, if given, the column's name.
+    /// A field as a finite number; where people write, blanks about it and a leading + are passed over. Throws FileError with the place and, if given, the column's name.
     double number(std::size_t i, const std::string& column = "") const;
 
     /// Throws FileError: "FILE:LINE: WHY".
     [[noreturn]] void refuse(const std::string& why) const;
 
+    virtual ~CsvLines() = default;
+
    protected:
     static constexpr std::size_t most_fields = 256;
+
+    virtual bool of_people() const { return false; }
 
     bool next_text();  ///< the line alone, no fields
     [[noreturn]] void refuse_fields() const;

@@ -15,9 +15,16 @@ class CsvTable : public CsvLines {
 
     /// To the next line that is not blank; false at the end. A comment has no fields.
     bool next();
+    /// To the next line that is no comment either.
+    bool next_row() {
+        while (next())
+            if (!is_comment()) return true;
+        return false;
+    }
     bool is_comment() const { return text()[0] == '#'; }
 
    private:
+    bool of_people() const override { return true; }
     void check_encoding();
     void split();
 

@@ -140,6 +140,7 @@ std::string why_not_opened(const std::string& file) {
 Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::move(file)) {
     silence_hdf5();
     std::error_code error;
+    if (std::filesystem::is_directory(file_, error)) throw FileError(file_ + ": is a folder, wanted a file");
     if (!std::filesystem::is_regular_file(file_, error)) throw FileError(file_ + ": there is no such file");
     bytes_ = std::filesystem::file_size(file_, error);
     id_ = H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);

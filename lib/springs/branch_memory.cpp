@@ -91,7 +91,7 @@ void BranchMemory::step(int first, int n, const double* x, double* y) noexcept {
     kernel::begin(n, left_.data() + first, x, before, dx, y);
     for (Eigen::Index k = 0; k < K; ++k, s += N) {
         if (booked())
-            kernel::branch_booked(n, decay_[k], risen_[k], share_.data() + k * N + first, dx, s, y, burnt_.data() + first);
+            kernel::branch_booked(n, decay_[k], risen_[k], share_.data() + k * N + first, dx, s, y, dissipated_.data() + first);
         else if (alike_)
             kernel::branch_alike(n, decay_[k], risen_[k], share_(0, k), dx, s, y);
         else
@@ -105,7 +105,7 @@ void BranchMemory::forget() noexcept {
 }
 
 void BranchMemory::book() {
-    if (!booked()) burnt_ = Eigen::VectorXd::Zero(before_.size());
+    if (!booked()) dissipated_ = Eigen::VectorXd::Zero(before_.size());
 }
 
 double BranchMemory::branches_stored(int element) const noexcept {

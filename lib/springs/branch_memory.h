@@ -30,26 +30,26 @@ class BranchMemory {
 
     /// From now on the branches' own energy is booked; a step takes a little longer.
     void book();
-    bool booked() const { return burnt_.size() > 0; }
+    bool booked() const { return dissipated_.size() > 0; }
 
     /// What an element's branches store, sum g_k s_k^2 / 2, and what they have dissipated since book(), forget() or not: the work of their
     /// pulls over the steps less what they came to store. By unit constant.
     double branches_stored(int element) const noexcept;
-    double branches_dissipated(int element) const noexcept { return booked() ? burnt_[element] : 0; }
+    double branches_dissipated(int element) const noexcept { return booked() ? dissipated_[element] : 0; }
 
     /// (1 - sum g_k) x^2 + sum g_k s_k^2 of an element, as the last step left it: twice what it stores, by unit constant.
     double stored(int element) const noexcept;
 
     template <class State>
     void fields(State& state) noexcept {
-        state(part_, before_, burnt_);
+        state(part_, before_, dissipated_);
     }
 
    private:
     Eigen::VectorXd tau_s_, decay_, risen_;  ///< e, c (K)
     Eigen::MatrixXd share_, part_;           ///< g, s (n x K)
     Eigen::VectorXd left_, before_;          ///< 1 - sum g, x a step ago (n)
-    Eigen::VectorXd burnt_;                  ///< (n), empty where nothing is booked
+    Eigen::VectorXd dissipated_;                  ///< (n), empty where nothing is booked
     bool alike_ = true;                      ///< all elements have the first one's shares
 };
 

@@ -67,6 +67,8 @@ struct TissueModel {
         if (case_radius_m.size() > 0) return (magnitude_m.array() / case_radius_m.array()).maxCoeff() * energy_law->disc_radius_m;
         return case_count() > 0 ? magnitude_m.maxCoeff() : 0;
     }
+    /// Radius of a case's disc [m], as LawPress::of takes it: 0 where all cases have the law's own.
+    double radius_of(Eigen::Index c) const { return case_radius_m.size() > 0 ? case_radius_m[c] : 0; }
     /// Whether a case was pressed by the disc that the law has.
     bool is_own_case(Eigen::Index c) const { return case_radius_m.size() == 0 || case_radius_m[c] == energy_law->disc_radius_m; }
 };

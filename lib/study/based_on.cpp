@@ -106,6 +106,7 @@ const std::vector<Rule>& rules() {
         {{"`data`", {"mesh", "indenter", "solver", "loads", "draws", "histories", "variants", "nodule", "map", "training.shape_scale"},
           "a study of measured forces has no finite elements"},
          gives("data")},
+        {{"`indenter.kind` = \"point\"", {"indenter.half_width_m"}, "a point has no width"}, gives("indenter.kind", "point")},
         {{"`loads.sweep`", {"loads.paths"}, "contacts are swept or listed"}, gives("loads.sweep")},
         {{"`loads.paths`, not empty", {"loads.sweep", "draws", "variants"}, "contacts are listed; draws and variants need a sweep"},
          [](const toml::table& study, const toml::table&) { return gives_list(study, "loads", "paths", false); }},

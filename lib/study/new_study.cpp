@@ -19,7 +19,7 @@
 namespace tissue {
 namespace {
 
-constexpr double smallest_m = 0.01, largest_m = 2;  // of a tissue; outside of it the unit is most likely another
+constexpr double smallest_m = 0.01, smallest_solid_m = 0.016, largest_m = 2;  // of a tissue; outside of it the unit is most likely another
 
 /// 1, 1.5, 2, 2.5, 3, 4, 5, 6 or 8 times a power of ten, the largest not beyond x.
 double round_down(double x) {
@@ -67,9 +67,9 @@ Size size_of(const ShapeExtent& shape, const NewStudy& wanted) {
     }
     if (!(size.longest <= largest_m))
         throw MismatchError(fmt::format("{}: is {:.3g} m long; is this in millimetres? --unit mm, cm, m or inch says what its numbers are", wanted.shape, size.longest));
-    if (!(size.shortest >= smallest_m))
+    if (const double least_m = shape.solid ? smallest_solid_m : smallest_m; !(size.shortest >= least_m))  // in space a disc is 5 mm and more from where the surface turns
         throw MismatchError(fmt::format("{}: is {:.3g} mm across, and the least is {:g} mm; --unit mm, cm, m or inch says what its numbers are", wanted.shape,
-                                        1e3 * size.shortest, 1e3 * smallest_m));
+                                        1e3 * size.shortest, 1e3 * least_m));
     return size;
 }
 
@@ -82,10 +82,10 @@ bool is_part_name(const std::string& name) {
 
 void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
     const std::string what = shape.solid ? "surface" : "curve";
-    const bool unnamed_stl = shape.boundaries.empty() && shape.solid;
+    const bool unnamed_stl = shape.boundaries.empty() && is_surface_file(wanted.shape);
     const std::string there = !shape.boundaries.empty() ? fmt::format("it names {}", fmt::join(shape.boundaries, ", "))
                               : unnamed_stl ? "it names none: parts between edges that turn by more than 40 degrees are surface-1 (the largest), surface-2, ..."
-                                            : "it names none: name its physical curves in gmsh";
+                                            : fmt::format("it names none: name its physical {}s in gmsh", what);
     if (wanted.held.empty()) throw MismatchError(fmt::format("{}: --held must say which {}s are held; {}{}", wanted.shape, what, there, shape.solid ? "; or a region, in m: --held 'below z = 0.01'" : ""));
     for (const std::string& name : wanted.held)
         if (const auto other = HeldRegion::within(name)) refuse_vtk(other->file);
@@ -94,10 +94,10 @@ void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
         if (shape.solid && HeldRegion::of(name, read_other_surface, wanted.unit_m)) continue;
         names.push_back(name);
         const bool may_be = unnamed_stl ? is_part_name(name) : std::find(shape.boundaries.begin(), shape.boundaries.end(), name) != shape.boundaries.end();
-        if (!may_be && !(unnamed_stl && is_surface_file(wanted.shape))) throw MismatchError(fmt::format("{}: has no {} '{}' to hold; {}", wanted.shape, what, name, there));
+        if (!may_be && !unnamed_stl) throw MismatchError(fmt::format("{}: has no {} '{}' to hold; {}", wanted.shape, what, name, there));
     }
     // how many parts there are, its surface tells
-    if (unnamed_stl && is_surface_file(wanted.shape) && !names.empty()) make_surface(read_surface_file(wanted.shape), names, wanted.unit_m);
+    if (unnamed_stl && !names.empty()) make_surface(read_surface_file(wanted.shape), names, wanted.unit_m);
 }
 
 /// A region beside the tissue's box, or about all of it, is refused here and not when it is meshed.
@@ -225,6 +225,13 @@ WrittenStudy new_study(const NewStudy& wanted) {
     if (wanted.bed_Pa_m > 0 && !shape.solid) throw MismatchError(wanted.shape + ": --bed is of a tissue in space; what is held in the plane does not move");
     const Size size = size_of(shape, wanted);
     check_regions(shape, wanted);
+    if (wanted.size_m && shape.low) {
+        constexpr double most_along = 100;
+        if (*wanted.size_m > size.shortest / 2)
+            throw MismatchError(fmt::format("{}: --size {:g} m is more than half of its shortest side, {:.3g} mm", wanted.shape, *wanted.size_m, 1e3 * size.shortest));
+        if (*wanted.size_m < size.longest / most_along)
+            throw MismatchError(fmt::format("{}: --size {:g} m is less than a hundredth of its longest side, {:.3g} mm: springs would be too many", wanted.shape, *wanted.size_m, 1e3 * size.longest));
+    }
     const double spring_m = spring_length(shape, wanted, size);
     WrittenStudy study = (shape.solid ? solid_study : plane_study)(shape, wanted, size, spring_m);
     std::vector<std::string> sides;

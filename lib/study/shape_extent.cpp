@@ -83,7 +83,7 @@ void read_points(const std::string& text, const std::string& file, bool blocks, 
     }
 }
 
-/// Whether there are tetrahedra, of the first order or the second.
+/// Whether there are tetrahedra. Throws FileError for elements of the second order.
 bool has_tetrahedra(const std::string& text, const std::string& file, bool blocks) {
     std::istringstream in = section_of(text, file, "Elements");
     std::string line;
@@ -96,10 +96,44 @@ bool has_tetrahedra(const std::string& text, const std::string& file, bool block
         if (blocks) number(), number();
         else number();
         const long kind = number();
-        if (kind == 4 || kind == 11) return true;
+        if (kind == 9 || kind == 11) throw FileError(file + ": has elements of the second order; save it with those of the first: gmsh -order 1");
+        if (kind == 4) return true;
         if (blocks) skip = number();
     }
     return false;
+}
+
+/// Numbers of physical groups that elements belong to, curves' (dimension 1) or surfaces' (2), volumes' (3).
+std::set<int> physical_groups(const std::string& text, const std::string& file, bool blocks, int dimension) {
+    std::set<int> groups;
+    if (blocks) {  // they stand with the entities
+        if (text.find("$Entities") == std::string::npos) return groups;
+        std::istringstream in = section_of(text, file, "Entities");
+        const auto number = [&] { return next<double>(in, file, "Entities"); };
+        const auto count = [&] { return next<long>(in, file, "Entities"); };
+        long of[4];
+        for (long& n : of) n = count();
+        for (int d = 0; d < 4; ++d)
+            for (long e = 0; e < of[d]; ++e) {
+                count();
+                for (int k = 0; k < (d == 0 ? 3 : 6); ++k) number();
+                for (long left = count(); left > 0; --left)
+                    if (const long group = std::abs(count()); d == dimension) groups.insert(static_cast<int>(group));
+                for (long left = d == 0 ? 0 : count(); left > 0; --left) count();
+            }
+        return groups;
+    }
+    std::istringstream in = section_of(text, file, "Elements");
+    std::string line;
+    std::getline(in, line);
+    while (std::getline(in, line)) {
+        std::istringstream words(line);
+        long number = 0, kind = 0, tags = 0, group = 0;
+        if (!(words >> number >> kind >> tags >> group) || tags < 1 || group <= 0) continue;
+        const int of = kind == 1 || kind == 8 ? 1 : kind == 2 || kind == 9 ? 2 : kind == 4 || kind == 11 ? 3 : 0;
+        if (of == dimension) groups.insert(static_cast<int>(group));
+    }
+    return groups;
 }
 
 ShapeExtent msh_extent(const std::string& text, const std::string& file) {
@@ -114,17 +148,21 @@ ShapeExtent msh_extent(const std::string& text, const std::string& file) {
     shape.solid = has_tetrahedra(text, file, blocks);
     if (!shape.solid && has_depth(shape))
         throw FileError(file + ": has triangles in space and no tetrahedra; save its surface as .stl, which is filled");
+    const int boundary = shape.solid ? 2 : 1;
+    std::set<int> curves = physical_groups(text, file, blocks, boundary), regions = physical_groups(text, file, blocks, boundary + 1);
     if (text.find("$PhysicalNames") != std::string::npos) {
-        static const std::regex row("\\s*([0-3])\\s+\\d+\\s+\"([^\"]*)\"\\s*");
+        static const std::regex row("\\s*([0-3])\\s+(\\d{1,9})\\s+\"([^\"]*)\"\\s*");
         std::istringstream in = section_of(text, file, "PhysicalNames");
         std::smatch match;
         for (std::string line; std::getline(in, line);) {
             if (line.size() > 1000 || !std::regex_match(line, match, row)) continue;
             const int dimension = std::stoi(match[1]);
-            if (dimension == (shape.solid ? 2 : 1)) add_name(shape.boundaries, match[2]);
-            if (dimension == (shape.solid ? 3 : 2)) add_name(shape.regions, match[2]);
+            if (dimension == boundary) add_name(shape.boundaries, match[3]), curves.erase(std::stoi(match[2]));
+            if (dimension == boundary + 1) add_name(shape.regions, match[3]), regions.erase(std::stoi(match[2]));
         }
     }
+    for (const int group : curves) add_name(shape.boundaries, std::to_string(group));  // without a name they are called by it
+    for (const int group : regions) add_name(shape.regions, std::to_string(group));
     return shape;
 }
 
@@ -159,7 +197,7 @@ ShapeExtent geo_extent(const std::string& text, const std::string& file) {
     const std::regex middle("\\b(?:Circle|Ellipse)\\s*\\([^()]*\\)\\s*=\\s*\\{[^,{}]*,\\s*([0-9]+)\\s*,");
     const std::regex numbers("\\bPoint\\s*\\(([^()]*)\\)\\s*=\\s*\\{" + real + "," + real + "," + real + "[,}]");
     const std::regex elsewhere("OpenCASCADE|/\\*|\\b(Include|Merge|Macro|Translate|Rotate|Dilate|Symmetry|Extrude)\\b");
-    const std::regex group("\\bPhysical\\s+(Curve|Line|Surface|Volume)\\s*\\(\\s*\"([^\"]*)\"");
+    const std::regex group("\\bPhysical\\s+(Curve|Line|Surface|Volume)\\s*\\(\\s*(?:\"([^\"]*)\"|([0-9]+))");
     using Matches = std::sregex_iterator;
     ShapeExtent shape;
     bool all_known = true, volumes = false;
@@ -181,7 +219,7 @@ ShapeExtent geo_extent(const std::string& text, const std::string& file) {
         if (std::regex_search(line, volume)) volumes = true;
         for (Matches m(line.begin(), line.end(), group), end; m != end; ++m) {
             const std::string kind = (*m)[1];
-            groups.emplace_back(kind == "Volume" ? 3 : kind == "Surface" ? 2 : 1, (*m)[2]);
+            groups.emplace_back(kind == "Volume" ? 3 : kind == "Surface" ? 2 : 1, (*m)[2].matched ? (*m)[2] : (*m)[3]);
         }
     }
     for (const auto& [number, point] : points_of)

@@ -137,8 +137,13 @@ MshFile Facets::mesh() const {
         named[static_cast<std::size_t>(k - 1)] = !names_[static_cast<std::size_t>(k - 1)].empty();
     }
     const bool grouped = std::count(used.begin(), used.end(), true) > 1 && std::count(named.begin(), named.end(), true) > 0;
-    for (std::size_t k = 0; grouped && k < names_.size(); ++k)
-        if (used[k]) mesh.triangle_names[static_cast<int>(k) + 1] = named[k] ? names_[k] : std::to_string(k + 1);
+    for (std::size_t k = 0; grouped && k < names_.size(); ++k) {
+        if (!used[k]) continue;
+        const std::string number = std::to_string(k + 1);
+        if (!named[k] && std::find(names_.begin(), names_.end(), number) != names_.end())
+            throw FileError(fmt::format("{0}: its part {1} has no name, and another part is called '{1}': give every part a name", file_, number));
+        mesh.triangle_names[static_cast<int>(k) + 1] = named[k] ? names_[k] : number;
+    }
     Points points(corners_, mesh.points);
     for (std::size_t f = 0; f < corners_.size(); ++f) {
         MshFile::Element e{static_cast<long>(f) + 1, {}, grouped ? group_[f] : 0};

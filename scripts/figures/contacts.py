@@ -7,6 +7,7 @@ import re
 import sys
 from pathlib import Path
 
+import needs  # noqa: F401, I001  (before what may be missing)
 import matplotlib
 import numpy as np
 

@@ -8,10 +8,8 @@ import sys
 
 # a home that cannot be written to is no news here
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
-try:
-    import matplotlib  # noqa: E402
-except ImportError as error:
-    sys.exit(f"draw.py: {error}; install python3-matplotlib, which figures are drawn with")
+import needs  # noqa: E402, F401, I001  (before what may be missing)
+import matplotlib  # noqa: E402
 
 matplotlib.use("Agg")
 

@@ -7,7 +7,7 @@ circle in mm, where something is known to lie.
 """
 import argparse
 
-import h5py
+import needs  # noqa: F401, I001  (before what may be missing)
 import matplotlib
 
 matplotlib.use("Agg")
@@ -15,13 +15,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from one_line import reading, say
+from one_line import say
 from save import save
+from stored import stored
 
 
 def learned(file):
     """(nodes, triangles, factor at each node, its standard deviation in log, pokes learned)"""
-    with reading(file), h5py.File(file) as model:
+    with stored(file) as model:
         if "adaptation" not in model or model["adaptation"].attrs["unknowns"] not in ("field", b"field"):
             say(file, "has learned no field")
         if "mesh/triangles" not in model:

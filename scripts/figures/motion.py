@@ -4,6 +4,7 @@ Force against time and against depth, the rest state against the static answer, 
 """
 import sys
 
+import needs  # noqa: F401, I001  (before what may be missing)
 import matplotlib
 
 matplotlib.use("Agg")
@@ -48,7 +49,9 @@ def main():
     rest.set_xlabel(f"static closed-loop answer ({name})")
     rest.set_ylabel(f"force at rest ({name})")
     worst = max(p["static_error"] for p in presses)
-    rest.set_title(f"{len(presses)} presses, at most {100 * worst:.2g} % off the static answer", fontsize=10)
+    count = len(data["presses"])
+    rest.set_title(f"{count} presses, at most {100 * worst:.2g} % off the static answer" if len(presses) == count else
+                   f"{len(presses)} of {count} presses have an answer, at most {100 * worst:.2g} % off the static one", fontsize=10)
 
     switch.set_visible(bool(switches))
     largest = max((s for s in switches if s["innovation"] == 1), key=lambda s: s["force_jump_N"], default=None)

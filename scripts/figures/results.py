@@ -2,10 +2,10 @@
 from pathlib import Path
 from types import SimpleNamespace
 
-import h5py
 import numpy as np
 
-from one_line import NUMBER_OR_NULL, read_json, reading
+from one_line import NUMBER_OR_NULL, read_json
+from stored import stored
 
 # Okabe and Ito's palette: told apart with every common colour vision
 COLOURS = {
@@ -42,7 +42,7 @@ EVALUATION = {
     "open_loop": {"*": {"rel_loss": STATISTICS}}, "closed_loop": {"*": {"*": {**STATISTICS, "shape": (STATISTICS, type(None))}}},
     "drawn": {"*": [{"name": str, "contact_m": [float, ...], "direction": [float, ...], "arc_m": float, "depth_m": float, "angle_deg": float, "error": ERRORS, "shape": ERRORS}]},
     "drawn_curves": [{"name": str, **SERIES}], "curves": [{"path": str, "serving_set": [str], **SERIES}],
-    "drawn_shapes": [{"name": str, "displacement_m": [[float]]}], "cases": [{"name": str, "models": {"*": ERRORS}}, ...],
+    "drawn_shapes": [{"name": str, "which": str, "displacement_m": [[float]]}], "cases": [{"name": str, "models": {"*": ERRORS}}, ...],
     "springs": {"*": {}}, "ridge_front": [{"distance_E2": float, "rel_loss": float}],
     "histories": {"groups": {"*": {"learned": {"rms": STATISTICS}}}, "each": [{
         "name": str, "group": str, "time_s": [float, ...], "fe_N": [float], "best_factor_N": [float], "learned_N": [NUMBER_OR_NULL], "error": {"learned": {"rms": NUMBER_OR_NULL}}}]},
@@ -116,12 +116,12 @@ def load(folder):
     folder = Path(folder)
     results = Results(evaluation=read_json(folder / "eval.json", EVALUATION), paths={}, trained={})
     results.evaluation.setdefault("drawn", {})  # of no contact that was drawn has FE an answer
-    with reading(folder / "cases.h5"), h5py.File(folder / "cases.h5") as f:
+    with stored(folder / "cases.h5") as f:
         results.is_block = "shape" not in f
         for name in f["path_names"].asstr():
             group = f["paths"][name]
             results.paths[name] = SimpleNamespace(**{key: group[key][()] for key in group})
-    with reading(folder / "model.h5"), h5py.File(folder / "model.h5") as f:
+    with stored(folder / "model.h5") as f:
         results.nodes = f["mesh/nodes"][()]
         results.springs = f["mesh/springs"][()]
         results.solid = results.nodes.shape[1] == 3

@@ -71,7 +71,8 @@ def drawn(out):
 
 @contextlib.contextmanager
 def replaced(out):
-    """The name of a file beside `out` that becomes it in the end, or is removed, as lib/io/atomic_file does. Raises OSError."""
+    """A name of the open file beside `out` that becomes it in the end, or is removed, as lib/io/atomic_file does: its descriptor's, so that what another
+    user puts in the place of the drawn name gets nothing. Raises OSError."""
     out = os.fspath(out)
     refuse_links(out)
     refuse_devices(out)
@@ -79,8 +80,10 @@ def replaced(out):
     file, beside = drawn(out)
     with file:
         try:
-            yield beside
+            yield f"/proc/{os.getpid()}/fd/{file.fileno()}"
             os.fsync(file.fileno())  # its content is on the disk before its name
+            if not os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
+                raise OSError(errno.ESTALE, "cannot write: another program has taken the file away that was made beside it", out)
             os.replace(beside, out)
         except BaseException:
             with contextlib.suppress(OSError):

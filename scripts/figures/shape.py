@@ -6,10 +6,9 @@ from matplotlib.collections import LineCollection
 
 import shape_solid
 from results import COLOURS, learned_label
-from shape_error import force_and_shape, percent
+from shape_error import force_and_shape, percent, which_of
 
 MM = 1e3
-WHICH = ["Median shape error", "Largest shape error"]  # of eval.json's drawn_shapes, in order
 
 
 def draw(results):
@@ -18,10 +17,10 @@ def draw(results):
     contacts = {c["name"]: c for c in results.evaluation["drawn"].get("held_out", [])}
     figure, axes = plt.subplots(1, 3, figsize=(15, 5.2), layout="constrained", gridspec_kw={"width_ratios": [1, 1, 0.9]})
     shapes = results.evaluation.get("drawn_shapes", [])
-    for axis, shape, which in zip(axes, shapes, WHICH):
+    for axis, shape in zip(axes, shapes):
         c = contacts[shape["name"]]
         outlines(axis, results, results.paths[shape["name"]], np.array(shape["displacement_m"]))
-        axis.set_title(f"{which}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
+        axis.set_title(f"{which_of(shape, contacts)}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
                        f"{1e3 * c['depth_m']:.1f} mm deep, {round(c['angle_deg'])} degrees off the normal", fontsize=10)
     for axis in axes[len(shapes):2]:
         axis.set_visible(False)

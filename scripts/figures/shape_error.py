@@ -12,6 +12,13 @@ def percent(value):
     return f"{100 * value:.1f} %"
 
 
+def which_of(shape, contacts):
+    """What a contact of drawn_shapes is among all held-out ones: a missing answer counts as the largest error there is."""
+    answered = sum(c["shape"].get("learned") is not None for c in contacts.values())
+    of = "" if answered == len(contacts) or shape["which"] == "median" else f" of the {answered} of {len(contacts)} that have an answer"
+    return f"{shape['which'].capitalize()} shape error{of}"
+
+
 def percent_axis(axis, between=True):
     """Of a logarithmic axis: 10 %, and smaller 20 % and 50 % between, as one decade may hold all there is."""
     axis.set_major_formatter(lambda v, _: f"{100 * v:g} %")

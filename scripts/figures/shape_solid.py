@@ -5,10 +5,9 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 from results import COLOURS, learned_label
-from shape_error import force_and_shape, percent
+from shape_error import force_and_shape, percent, which_of
 
 MM = 1e3
-WHICH = ["Median shape error", "Largest shape error"]  # of eval.json's drawn_shapes, in order
 
 
 def draw(results):
@@ -16,13 +15,13 @@ def draw(results):
     shapes = results.evaluation.get("drawn_shapes", [])
     figure = plt.figure(figsize=(16, 8.4), layout="constrained")
     grid = figure.add_gridspec(2, 3, width_ratios=[1, 1, 0.85], height_ratios=[1.1, 1])
-    for column, (shape, which) in enumerate(zip(shapes, WHICH)):
+    for column, shape in enumerate(shapes):
         c, path = contacts[shape["name"]], results.paths[shape["name"]]
         section, profile = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column])
         cut = surface_cut(results, path)
         fe, model = path.displacement[-1], np.array(shape["displacement_m"])
         draw_section(section, results, path, cut, fe, model)
-        section.set_title(f"{which}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
+        section.set_title(f"{which_of(shape, contacts)}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
                           f"{MM * c['depth_m']:.1f} mm deep, {round(c['angle_deg'])} degrees off straight in", fontsize=10)
         draw_profile(profile, results, cut, fe, model)
     if shapes:

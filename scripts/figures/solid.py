@@ -7,7 +7,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm
 
 from results import learned_label, nothing
-from shape_error import percent
+from shape_error import percent, which_of
 
 MM = 1e3
 VIEW = np.array([-0.45, -1.0, 0.62])  # towards the eye
@@ -17,7 +17,8 @@ def draw(results):
     if not results.evaluation.get("drawn_shapes"):
         return nothing("The law has no answer at any held-out contact, or finite elements lost all of them")
     shape = results.evaluation["drawn_shapes"][0]
-    contact = next(c for c in results.evaluation["drawn"]["held_out"] if c["name"] == shape["name"])
+    contacts = {c["name"]: c for c in results.evaluation["drawn"]["held_out"]}
+    contact = contacts[shape["name"]]
     path = results.paths[shape["name"]]
     fe, model = MM * path.displacement[-1], MM * np.array(shape["displacement_m"])
     facets, cut_mm = cut_open(results, path.contact)
@@ -41,7 +42,7 @@ def draw(results):
         figure.colorbar(ScalarMappable(BoundaryNorm(bounds, 256), cmap), ax=axis, label=label, location="bottom", shrink=0.8, pad=0.02)
     size = MM * np.ptp(results.nodes, axis=0)
     x, y, _ = MM * path.contact
-    figure.suptitle(f"Held-out contact with the median shape error, {percent(contact['shape']['learned'])} "
+    figure.suptitle(f"Held-out contact with the {which_of(shape, contacts).lower()}, {percent(contact['shape']['learned'])} "
                     f"(force {percent(contact['error']['learned'])}): {MM * contact['depth_m']:.1f} mm deep, {round(contact['angle_deg'])} degrees "
                     f"off straight in, at x = {x:.0f} mm, y = {y:.0f} mm\n"
                     f"{'Block' if results.is_block else 'Shape'} of {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm cut open at y = {cut_mm:.0f} mm; true displacements; "

@@ -7,6 +7,7 @@ import csv
 import sys
 from collections import defaultdict
 
+import needs  # noqa: F401, I001  (before what may be missing)
 import matplotlib
 
 matplotlib.use("Agg")

@@ -1,7 +1,7 @@
 """Rules for steps, iterations and Q, each constant fitted to what was measured: `measured` is {question: rows of the probe}."""
 import numpy as np
 
-from gains.questions import BUDGET, FARS, LATTICES, NEARS, PATCH, STEPS
+from gains.questions import BUDGET, FARS, GAP, LATTICES, NEARS, PATCH, STEPS
 
 
 def springs_of(nodes, topology):
@@ -20,10 +20,13 @@ def fit(columns, values):
 
 
 def step_points(measured, topology):
-    """(nodes a side, displacement, steps m, iterations) of every load case."""
+    """(nodes a side, displacement, steps m, iterations to GAP) of every load case. Ends the program where one stopped before: how long it takes nobody knows."""
     points = []
     for n in LATTICES:
-        for r in measured[f"iterations-{topology}-{n}"]:
+        rows = measured[f"iterations-{topology}-{n}"]
+        if short := [r for r in rows if not r["gap"] <= GAP * (1 + 1e-9)]:
+            raise SystemExit(f"gains: {len(short)} of {len(rows)} sets of {topology}, {n} nodes a side, stopped before a gap of {100 * GAP:g} % ({short[0]['status']}): no rule is fitted to the others")
+        for r in rows:
             S = r["springs"]
             points.append((n, r["magnitude_m"], (r["iterations"] - S) / (cycle_of(S) / 2), r["iterations"]))
     return np.array(points)

@@ -13,10 +13,10 @@ from typing import NamedTuple
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "figures"))
 try:
-    import h5py  # noqa: E402
     import jinja2  # noqa: E402
     from markdown_it import MarkdownIt  # noqa: E402
     from markupsafe import Markup, escape  # noqa: E402
+    from stored import stored  # noqa: E402
 except ImportError as error:
     sys.exit(f"page.py: {error}; install python3-{(error.name or '').replace('_', '-')}, which the report is made with")
 
@@ -231,7 +231,7 @@ def provenance(folder, e):
     """[(word, value)]: how to make this again, and from what."""
     rows = [("Made by", f"make all STUDY={e['study']}"), ("Version", f"tissuectl {e['version']}"), ("Seed", e["seed"])]
     for name, word in (("cases.h5", "Cases"), ("model.h5", "Training")):
-        with reading(folder / name), h5py.File(folder / name) as file:
+        with stored(folder / name) as file:
             says = {key: value.decode() if isinstance(value, bytes) else value for key, value in file.attrs.items()}
             rows.append((word, says["command"]))
             rows += [(f"Input of {word.lower()}", f"{key[6:]} (XXH3 {value})") for key, value in says.items()

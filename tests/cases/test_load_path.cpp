@@ -272,6 +272,7 @@ TEST_CASE("a path that FE lost says why, and keeps what it reached") {
     const std::string lost = with(csv(), "end,2\n", "lost,2,folded at (1, 0) m, 12 mm\n");
     const LoadPath path = read_path_csv(folder.file("left.csv", lost), corners());
     CHECK(path.lost == "folded at (1, 0) m, 12 mm");
+    CHECK(read_path_csv(folder.file("left.csv", with(lost, "folded", "\033]0;owned\007")), corners()).lost == "\\x1b]0;owned\\x07 at (1, 0) m, 12 mm");  // no terminal obeys it
     CHECK(path.records.size() == 2);
     CHECK_THAT(said(with(lost, "lost,2,", "lost,3,")), Contains("records are missing"));
     CHECK_THAT(said(with(csv(), "end,2\n", "lost,2\n")), Contains("left.csv:12"));

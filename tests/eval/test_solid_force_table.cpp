@@ -42,7 +42,7 @@ TEST_CASE("a force table in space gives back a stiffness that is the same everyw
     CHECK(table.at(Eigen::Vector3d(0.024, 0.08, 0.05), direction, 0.005).extrapolated);
 }
 
-TEST_CASE("a square block of one material has seven images of every push, an oblong one three, others none", "[solid]") {
+TEST_CASE("a square block has seven images of every push, an oblong one three, others none; a nodule has to have them too", "[solid]") {
     TissueModel model = solid_example();
     CHECK(symmetries_of(model).size() == 7);
     for (const Symmetry& s : symmetries_of(model)) {
@@ -53,8 +53,20 @@ TEST_CASE("a square block of one material has seven images of every push, an obl
         }
     }
     TissueModel nodule = model;
-    nodule.energy_law->disc.ground = NodeField::Ones(1, 4);
+    nodule.energy_law->disc.ground = Eigen::RowVector4d(0.02, 0.03, 0.03, 1e-8);
     CHECK(symmetries_of(nodule).empty());
+    const Point low = model.mesh.own_nodes().colwise().minCoeff().transpose(), high = model.mesh.own_nodes().colwise().maxCoeff().transpose(), middle = (low + high) / 2;
+    NodeField& ground = nodule.energy_law->disc.ground;
+    ground.row(0) << middle[0], middle[1], 0.03, 1e-8;  // on the block's axis
+    CHECK(symmetries_of(nodule).size() == 7);
+    ground(0, 1) += 0.01;  // and off it: the image in x alone
+    REQUIRE(symmetries_of(nodule).size() == 1);
+    CHECK(symmetries_of(nodule)[0].turn == Eigen::Matrix3d(Eigen::Vector3d(-1, 1, 1).asDiagonal()));
+    ground.conservativeResize(2, 4);
+    ground.row(1) << middle[0], middle[1] - 0.01, 0.03, 1e-8;  // two alike, in x and y and both
+    CHECK(symmetries_of(nodule).size() == 3);
+    ground(1, 3) = 2e-8;  // two of other stiffness
+    CHECK(symmetries_of(nodule).size() == 1);
     const SpringMesh oblong = embedded_block(Lattice{{5, 4, 2}, {0.125, 0.1, 0.05}});
     model.mesh = oblong;
     model.energy_law->constants.tail(oblong.support_count()) = held_areas(oblong);

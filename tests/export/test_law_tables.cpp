@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <fmt/format.h>
 
 #include "error.h"
 #include "export/csv.h"
@@ -11,17 +12,21 @@
 #include "springs/contact_patch.h"
 #include "springs/contact_spring.h"
 #include "springs/energy_law.h"
+#include "springs/law_at_radius.h"
 #include "springs/law_kernel.h"
 #include "springs/law_press.h"
 #include "../example.h"
 #include "../mesh/disc.h"
 #include "../mesh/dome.h"
+#include "../springs/several_discs.h"
 #include "../refusal.h"
 #include "../solid_law_example.h"
 #include "../tolerances.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
+using Catch::Matchers::EndsWith;
+using Catch::Matchers::StartsWith;
 
 namespace {
 
@@ -126,6 +131,39 @@ TEST_CASE("the tables of a law in space hold all its energy, the contact's too",
           Approx(contact.load(push, contact.gather(u)).energy_J).epsilon(tolerance::rounding));
     CHECK(std::count(table.kind.begin(), table.kind.end(), "normal") == 1);
     CHECK(contact_table(model, {0, 1}).hardening.row(1) == table.hardening.row(0));
+}
+
+TEST_CASE("each case is pressed by its own disc", "[export][solid]") {
+    const TissueModel model = several_discs();
+    const std::vector<PressedCase> cases = pressed_cases(model, "");
+    REQUIRE(cases.size() == 1);
+    const Point contact_m = model.contact_m.row(0).transpose();
+    const LawModel small = law_at_radius(*model.energy_law, 0.004);
+    CHECK(cases[0].state.contact_force == LawPress(model.mesh, small).at(contact_m, cases[0].push_m).contact_force);
+    CHECK(cases[0].state.contact_force != LawPress(model).at(contact_m, cases[0].push_m).contact_force);
+    const ContactSpring contact(make_contact_kernel(model.mesh, small)->rows_at(contact_m), small.patch);
+    const ContactTable table = contact_table(model, {0});
+    CHECK(Eigen::Map<const Eigen::VectorXd>(table.k_N_m.data(), static_cast<Eigen::Index>(table.k_N_m.size())) == contact.k_N_m);
+    CHECK(table.hardening(0, 0) == contact.hardening_1_J);
+
+    const Files files = csv_files(model, cases);
+    CHECK_THAT(files.at("presses.csv"), StartsWith("case,contact_x_m,contact_y_m,contact_z_m,radius_m,push_x_m") && Contains(",0.02,0.004,"));
+    const auto lines = [&](const std::string& with) {
+        const std::string& text = files.at("correction.csv");
+        Eigen::Index n = 0;
+        for (std::size_t at = text.find(with); at != std::string::npos; at = text.find(with, at + 1)) ++n;
+        return n;
+    };
+    CHECK(lines("\n0.007,") == model.mesh.facets.rows() * 10);  // its own, once
+    CHECK(lines("\n0.004,") == lines("\n0.007,"));
+    CHECK(lines("\n0.01,") == lines("\n0.007,"));
+}
+
+TEST_CASE("contacts that a law in space has learned from pokes are in its tables", "[export][solid]") {
+    TissueModel model = solid_example();
+    CHECK(csv_files(model, pressed_cases(model, "")).count("surface.csv") == 0);
+    model.energy_law->contact_log_scale = Eigen::VectorXd::LinSpaced(model.mesh.node_count(), 0, 0.25);
+    CHECK_THAT(csv_files(model, pressed_cases(model, "")).at("surface.csv"), StartsWith("node,contact_log_scale\n0,0\n") && EndsWith(fmt::format("{},0.25\n", model.mesh.node_count() - 1)));
 }
 
 TEST_CASE("a contact that softens comes back from its file as one", "[export][solid]") {

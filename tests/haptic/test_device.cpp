@@ -174,9 +174,16 @@ TEST_CASE("a replayed table moves in straight lines between its rows, ends with 
 
     const auto refused = [&](const std::string& text) { return refusal<Error>([&] { ReplayDevice(folder.file("b.csv", text)); }); };
     CHECK(refused("t,x\n0,1\n").find("time_s,x_m,y_m") != std::string::npos);
-    CHECK(refused("time_s,x_m,y_m\n0,1,2\n0.1,1,nan\n").find("line 3") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m\n0,1,2\n0.1,1,nan\n").find("b.csv:3: ") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m,z_mm\n0,1,2,3\n").find("b.csv:1: column 'z_mm' is not known") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m,x_m\n0,1,2,3\n").find("'x_m' is there twice") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m,fx_N\n0,1,2,3\n").find("forces are fx_N and fy_N") != std::string::npos);
+    // as a spreadsheet writes it
+    ReplayDevice sheet(folder.file("sheet.csv", "\xef\xbb\xbf\"time_s\"; x_m ;y_m\r\n# by hand\r\n0;+0.5; 0.25 \r\n\r\n1;0.5;0.5\r\n"));
+    CHECK((sheet.read(0).position_m - Eigen::Vector3d(0.5, 0.25, 0)).norm() < 1e-15);
+    CHECK((sheet.size() == 2 && !sheet.has_z() && replay.has_z()));
     CHECK(refused("time_s,x_m,y_m\n0,1,2\n0,1,2\n").find("ascend") != std::string::npos);
-    CHECK(refused("time_s,x_m,y_m\n0,1\n").find("y_m") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m\n0,1\n").find("has 2 fields, the header has 3") != std::string::npos);
     CHECK(refused("time_s,x_m,y_m\n").find("no trajectory") != std::string::npos);
     refusal<FileError>([&] { ReplayDevice(folder.file("missing.csv")); });
 }
@@ -443,6 +450,7 @@ TEST_CASE("openhaptics: position in millimetres comes in, force goes out, zero w
         DeviceSample s;
         CHECK(wait_for([&] { return (s = device.read(0.03)).valid; }));
         CHECK((s.position_m - Eigen::Vector3d(0.01, -0.02, 0.03)).norm() < 1e-15);
+        CHECK(s.age_s >= touch_impedance.delay_s);  // its force goes out with the next callback
         CHECK(wait_for([&] {
             device.write({0.5, 0.25, -1});
             vendor.get_force(force);

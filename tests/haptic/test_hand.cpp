@@ -1,4 +1,5 @@
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <catch2/catch.hpp>
 
 #include "../example.h"
@@ -257,6 +258,37 @@ TEST_CASE("the force does not depend on how often a host ticks", "[hand]") {
     }
 }
 
+TEST_CASE("a hand that rests feels the same at a slow host as at 1 kHz, wherever and however fast it came", "[hand][long]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 1;
+    const HapticModel model(law_example(), options);
+    const auto rest = [&](double rate_Hz, double x_m, double depth_m, double within_s) {
+        Simulation s(model);
+        DeviceSample sample;
+        double least_N = std::numeric_limits<double>::infinity(), most_N = 0, sum_N = 0;
+        int ticks = 0;
+        for (double time = 0; time < 2.5; time += 1 / rate_Hz) {
+            sample.position_m = {x_m, 0.102 - (0.002 + depth_m) * std::min(1.0, time / within_s), 0};
+            const double force_N = s.tick(sample, 1 / rate_Hz).norm();
+            if (time < 1.5) continue;
+            least_N = std::min(least_N, force_N), most_N = std::max(most_N, force_N), sum_N += force_N;
+            ++ticks;
+        }
+        return std::array{sum_N / ticks, most_N - least_N};
+    };
+    for (const double x_m : {0.02, 0.035, 0.052, 0.08})
+        for (const double depth_m : {0.001, 0.003})
+            for (const double within_s : {0.05, 0.1, 0.3}) {
+                const auto usual = rest(1000, x_m, depth_m, within_s);
+                for (const double rate_Hz : {50.0, 100.0, 125.0, 200.0}) {
+                    const auto [mean_N, swing_N] = rest(rate_Hz, x_m, depth_m, within_s);
+                    INFO(rate_Hz << " Hz, at " << 1e3 * x_m << " mm, " << 1e3 * depth_m << " mm deep within " << within_s << " s: " << mean_N << " N, swing " << swing_N << " N, at 1 kHz " << usual[0] << " N");
+                    CHECK(swing_N < 1.5 * usual[1] + 0.01 * usual[0]);  // what the tissue itself still swings
+                    CHECK(mean_N == Approx(usual[0]).epsilon(0.01));
+                }
+            }
+}
+
 TEST_CASE("time that no tick can make up for is counted", "[hand]") {
     const HapticModel model(law_example(), alone());
     Simulation s(model);
@@ -267,6 +299,8 @@ TEST_CASE("time that no tick can make up for is counted", "[hand]") {
     s.tick(sample, 3.0);
     CHECK(s.counters().lost_s == Approx(2.5).margin(0.01));
     CHECK(s.record().time_s == Approx(3.01));
+    s.tick(sample, 8 * 3600.0);
+    CHECK(s.counters().lost_s == Approx(3 + 8 * 3600 - 0.5).margin(0.05));  // but for what may be made up for, and was
 }
 
 TEST_CASE("a tissue that is too stiff for a device is refused, with the numbers", "[hand][long]") {
@@ -293,17 +327,22 @@ TEST_CASE("a tissue that is too stiff for a device is refused, with the numbers"
 
 TEST_CASE("a contact is stable on a device up to the stiffness that is said, and not far beyond", "[hand][long]") {
     constexpr double dt = 1e-3;
-    for (const double damping : {0.0, 2.0})
+    for (const auto& [damping, delay_s] : {std::pair(0.0, 0.0), std::pair(2.0, 0.0), std::pair(0.2, 1e-3), std::pair(2.0, 1e-3), std::pair(2.0, 1.6e-3)})
         for (const double lead : {0.6, 0.75, 1.0}) {
             DeviceImpedance device;
             device.mass_kg = 0.1;
             device.damping_Ns_m = damping;
+            device.delay_s = delay_s;
             const double limit_N_m = stable_stiffness_N_m(device, dt, lead) / 0.45;
+            const auto late = static_cast<std::size_t>(std::ceil(delay_s / dt - 1e-9));
             for (const double share : {0.97, 1.03}) {
-                double x = 1e-3, v = 0, before = x, last = x;
+                double x = 1e-3, v = 0;
+                std::deque<double> was(late + 3, x);  // at this tick and those before
                 const auto tick = [&] {
-                    const double force = -share * limit_N_m * (2 * lead * x + (2 - 3 * lead) * last + (lead - 1) * before);
-                    before = last, last = x;
+                    was.push_front(x);
+                    was.pop_back();
+                    const auto tool = [&](std::size_t k) { return was[k + late] + (1.0 + static_cast<double>(late)) * (was[k + late] - was[k + late + 1]); };
+                    const double force = -share * limit_N_m * (lead * tool(0) + (1 - lead) * tool(1));
                     for (int k = 0; k < 1000; ++k) {
                         const double faster = 1e-3 * dt * (force - damping * v) / device.mass_kg;
                         x += 1e-3 * dt * (v + faster / 2);
@@ -316,7 +355,7 @@ TEST_CASE("a contact is stable on a device up to the stiffness that is said, and
                     tick();
                     swing = std::max(swing, std::abs(x));
                 }
-                INFO("damping " << damping << ", lead " << lead << ", " << share << " of " << limit_N_m << " N/m");
+                INFO("damping " << damping << ", " << delay_s << " s late, lead " << lead << ", " << share << " of " << limit_N_m << " N/m");
                 CHECK((swing < 1e-3) == (share < 1));
             }
         }
@@ -334,6 +373,70 @@ TEST_CASE("a contact is stable on a device up to the stiffness that is said, and
     CHECK(both.rate_Hz == 1000);
     said.rate_Hz = 500;
     CHECK(stricter(said, touch_impedance).rate_Hz == 500);
+    CHECK(stricter(said, touch_impedance).delay_s == 1e-3);
+    DeviceImpedance damped;  // nearly all damping: up to twice its damping over dt, whatever its mass is
+    damped.mass_kg = 1e-5;
+    damped.damping_Ns_m = 1;
+    CHECK(stable_stiffness_N_m(damped, dt, 1) > 0.45 * 0.4 * damped.damping_Ns_m / dt);
+}
+
+TEST_CASE("a Touch rests on the tissue up to the force-scale that is said of it, its force one servo period late", "[hand][long]") {
+    const TissueModel tissue = law_example();
+    const FreeSurface surface(tissue.mesh);
+    HapticOptions options = alone(1);
+    const HapticMesh& mesh = *HapticModel(tissue, options).meshes[0];
+    const double contact_N_m = mesh.contact_N_m, lead = mesh.lead;
+    options.device = touch_impedance;
+    options.device.stiffness_N_m = std::numeric_limits<double>::infinity();  // what it can show at rest is another question
+    const double most = stable_stiffness_N_m(options.device, options.dt_s, lead) / contact_N_m;
+    options.map.force_scale = 1.02 * most;
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(tissue, options); }), Contains("a force every 0.001 s and 0.001 s late"));
+    options.map.force_scale = 0.98 * most;
+    const HapticModel model(tissue, options);
+    for (const Hand& hand : hands)
+        for (const test::Clock& clock : clocks)
+            for (const double force : {0.1, 1.0}) {
+                Release release;
+                const FreeSurface::Place place = surface.nearest(Eigen::Vector2d(0.052, 0.1));
+                release.contact_m = place.point_m;
+                release.inward = place.inward;
+                release.force_N = force * options.map.force_scale;
+                const Rest rest = let_go(model, hand, {clock.name, clock.jitter_s, clock.late_share, 1e-3}, release);
+                INFO(hand.name << ", " << clock.name << ", force scale " << options.map.force_scale << ", " << force << " N: swing " << 1e3 * rest.swing_m << " mm, of " << 1e3 * rest.damped_m << " that its damping leaves, "
+                               << rest.swing_N << " N of " << rest.force_N << " N, controller in " << 100 * rest.controlled << " %");
+                REQUIRE(rest.contact);
+                CHECK(rest.faults == 0);
+                CHECK(rest.swing_m < std::max(1e-4, 1.05 * rest.damped_m));
+                CHECK(rest.controlled < 0.01);
+            }
+}
+
+TEST_CASE("one tick that comes early loses no time to a host whose ticks take half of theirs", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 1;
+    const HapticModel model(law_example(), options);
+    for (const double early_s : {1e-6, 1e-3}) {
+        Simulation s(model);
+        DeviceSample sample;
+        sample.position_m = led(0.4);
+        for (int k = 0; k < 1500; ++k) s.tick(sample, k == 700 ? early_s : 0.01, 0.5 * s.went_s());
+        INFO("early by all but " << early_s << " s");
+        CHECK(s.counters().lost_s <= 0.03);
+    }
+}
+
+TEST_CASE("the mesh that loses most says how much time is lost", "[hand]") {
+    HapticOptions options;
+    const HapticModel model(law_example(), options);
+    REQUIRE(model.meshes.size() == 2);
+    REQUIRE(model.meshes[0]->substeps != model.meshes[1]->substeps);
+    Simulation s(model);
+    DeviceSample sample;
+    sample.position_m = led(0);
+    constexpr double period_s = 1.57e-3;
+    constexpr int ticks = 4000;
+    for (int k = 0; k < ticks; ++k) s.tick(sample, period_s, 0.95 * s.went_s());
+    CHECK(s.counters().lost_s > 0.2 * ticks * period_s);
 }
 
 TEST_CASE("a device that measures less often than a session ticks is judged by its own period", "[hand]") {

@@ -302,15 +302,18 @@ TEST_CASE("energy, size and change of force keep their bounds, whatever is wante
             Draw draw(7);
             Pace pace(8);
             Eigen::Vector3d x(0, 0, 0), force(0, 0, 0), wanted(0, 0, 0);
-            double given = 0, total = 0, worst = 0, longest = o.dt_s;
+            double given = 0, total = 0, worst = 0, longest = o.dt_s, left_s = o.dt_s;  // of the way that the fastest hand may go
             const long long ticks = adversarial_ticks(300000) / 2;
             for (long long k = 0; k < ticks; ++k) {
-                const double elapsed = on_time ? o.dt_s : pace.next(o.dt_s), reach = o.speed_max_m_s * std::max(elapsed, o.dt_s);
+                const double elapsed = on_time ? o.dt_s : pace.next(o.dt_s);
+                if (k > 0) left_s = std::min(left_s + elapsed, std::max(elapsed, o.dt_s));
+                const double reach = o.speed_max_m_s * left_s;
                 // the worst hand there is goes with the force as fast as it may; others wander
                 Eigen::Vector3d step(draw(-1, 1), draw(-1, 1), draw(-1, 1));
                 if (draw.below(3) > 0 && force.norm() > 0) step = force;
                 const Eigen::Vector3d before = x;
                 x += step.normalized() * (draw.below(2) ? reach : draw(0, reach)) * (1 - 1e-9);
+                if (k > 0) left_s = std::max(0.0, left_s - (x - before).norm() / o.speed_max_m_s);
                 bool let_go = false;
                 if (given > 0) given *= std::exp(-elapsed / surplus_fades_s);  // as the bound is said to be
                 const double before_J = given;
@@ -378,6 +381,27 @@ TEST_CASE("energy keeps its bound where positions come less often than ticks", "
     }
     CHECK(worst <= 21 * energy_bound(o));
     CHECK(worst > energy_bound(o));
+}
+
+TEST_CASE("a hand is no faster where ticks come faster, and may use what it did not use within dt", "[safety]") {
+    Safety safety(wide());
+    const double speed_m_s = safety.options().speed_max_m_s, dt_s = safety.options().dt_s;
+    DeviceSample sample;
+    REQUIRE(safety.admit(sample, dt_s));
+    const auto goes = [&](double share, int ticks) {  // of the fastest hand's way, eight ticks a period
+        int good = 0;
+        for (int k = 0; k < ticks; ++k) {
+            sample.position_m.x() += share * speed_m_s * dt_s / 8;
+            good += safety.admit(sample, dt_s / 8);
+        }
+        return good;
+    };
+    CHECK(goes(0.99, 80) == 80);
+    CHECK(goes(1.5, 80) < 60);
+    CHECK(goes(8, 80) < 20);
+    CHECK(goes(0, 80) == 80);  // it has stood still for ten periods, and may go as far as in one
+    CHECK(goes(7.9, 1) == 1);
+    CHECK(goes(7.9, 1) == 0);
 }
 
 TEST_CASE("who says that positions are older than they are gains no speed by that", "[safety]") {

@@ -402,6 +402,77 @@ TEST_CASE("a session goes on where one of another model was, and the force does 
     CHECK(next.record().device_N.norm() > 0.1);
 }
 
+TEST_CASE("a session that is taken over while the tool slips goes on without a jump of force", "[state]") {
+    HapticOptions o = alone();
+    o.friction.stick = 0.2;
+    const HapticModel model(law_example(), o);
+    Simulation plays(model);
+    press(plays, -0.002, 0.004, 0.04);
+    double x_m = 0.04;
+    const auto along = [&](Simulation& s) { return s.tick(top(0.004, x_m)); };
+    double usual_N = 0;
+    Eigen::Vector3d last = plays.record().device_N;
+    const auto play = [&](int ticks) {
+        for (int k = 0; k < ticks; ++k) {
+            x_m += 2e-5;
+            const Eigen::Vector3d force = along(plays);
+            usual_N = std::max(usual_N, (force - last).norm());
+            last = force;
+        }
+    };
+    play(200);
+    const Simulation copy(plays);
+    Simulation next(model);
+    next.follow(copy);
+    play(100);
+    REQUIRE(plays.record().slipping);
+    next.check_take_over(plays);
+    next.take_over(plays);
+    for (int k = 0; k < 300; ++k) {
+        x_m += 2e-5;
+        const Eigen::Vector3d force = along(next);
+        INFO("tick " << k << " after it was taken over");
+        CHECK((force - last).norm() < std::max(2 * usual_N, 0.02 * last.norm()));
+        last = force;
+    }
+}
+
+TEST_CASE("a session takes over no contact that has begun since it was led there", "[state]") {
+    const HapticModel model(law_example(), alone());
+    Simulation plays(model);
+    for (int k = 0; k < 20; ++k) plays.tick(top(-0.01));
+    Simulation early(model), beside(model), still(model);
+    early.follow(Simulation(plays));
+    press(plays, -0.002, 0.004);
+    CHECK_THAT(refusal<MismatchError>([&] { early.check_take_over(plays); }), Contains("has begun another contact since it was followed"));
+    beside.follow(Simulation(plays));
+    still.follow(Simulation(plays));
+    beside.check_take_over(plays);
+    for (int k = 0; k <= 400; ++k) plays.tick(top(0.004 - 3e-5 * k));
+    still.check_take_over(plays);  // outside: no contact to take over
+    press(plays, -0.008, 0.004, 0.03);
+    CHECK_THAT(refusal<MismatchError>([&] { beside.check_take_over(plays); }), Contains("has begun another contact since it was followed"));
+}
+
+TEST_CASE("no state gives a session that has ticked other limits, or makes them changeable again", "[state]") {
+    HapticOptions weak = alone();
+    weak.safety.force_max_N = 0.5;
+    const HapticModel model(law_example(), weak);
+    Simulation s(model);
+    std::vector<std::byte> unticked(s.state_size());
+    s.save(unticked.data());
+    CHECK_FALSE(s.has_begun());
+    for (int k = 0; k < 20; ++k) s.tick(top(-0.01));
+    s.restore(unticked.data(), unticked.size());
+    CHECK(s.has_begun());
+    HapticOptions strong = s.options();
+    strong.safety.force_max_N = 3;
+    s.change(strong);
+    CHECK(s.options().safety.force_max_N == 0.5);
+    CHECK(Simulation(s).has_begun());
+    CHECK_THROWS_AS(s.follow(Simulation(model)), MismatchError);
+}
+
 TEST_CASE("a hand whose positions come less often than ticks is judged by its own rate", "[state]") {
     const HapticModel model(law_example(), alone());
     const auto led = [](double time_s) {

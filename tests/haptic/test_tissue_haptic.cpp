@@ -622,7 +622,7 @@ TEST_CASE("the shipped client takes no forged force, none above its limit, and d
     setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
     int ended = -1;  // of the shell
     std::thread runs([&] {
-        ended = std::system((std::string(python ? python : "python3") + " " + client + " " + std::to_string(ntohs(here.sin_port)) + " 1 > " + folder.file("out") + " 2> " +
+        ended = std::system((std::string(python ? python : "python3") + " " + client + " " + std::to_string(ntohs(here.sin_port)) + " 2 > " + folder.file("out") + " 2> " +
                      folder.file("err") + "; echo $? > " + folder.file("status")).c_str());
     });
     const auto force = [](std::uint32_t used, double x, double y, double z) { return ForceDatagram{{'T', 'S', 'F', '1'}, used, 0, {x, y, z}, 0}; };
@@ -651,7 +651,7 @@ TEST_CASE("the shipped client takes no forged force, none above its limit, and d
     CHECK(heard == 200);
     CHECK(ended == 0);
     CHECK(read_file(folder.file("status")) == "0\n");
-    CHECK(told.find("largest force 3.3000 N, refused ") != std::string::npos);
+    CHECK(told.find("largest force 3.3000 N, at the end 0.0000 N, refused ") != std::string::npos);  // the other end fell silent
     double sent = 0, answers = 0;
     REQUIRE(std::sscanf(told.substr(told.rfind("sent ")).c_str(), "sent %lf, answers %lf", &sent, &answers) == 2);
     CHECK(answers <= 200);  // those of the other socket were none

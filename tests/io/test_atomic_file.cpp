@@ -202,6 +202,29 @@ TEST_CASE("what a killed writer left beside is removed by the next; what another
     CHECK(folder.names() == std::vector<std::string>{"a", "a.20251125.tmp", "a.tmp", "ba.tissue-0123abcd.tmp"});
 }
 
+TEST_CASE("a folder that another user gave a drawn name is not left over; one that a killed program made is", "[files]") {
+    const TemporaryFolder folder;
+    write_files(folder.file("a.tissue-0123abcd.tmp"), {{"chapters/one.txt", "of the user's own"}});
+    write_files(folder.file("a.tissue-89abcdef.tmp"), {{"a.tissue-89abcdef.tmp", ""}, {"half.csv", "of a killed one"}});
+    write_file(folder.file("a"), "short");
+    CHECK(folder.names() == std::vector<std::string>{"a", "a.tissue-0123abcd.tmp"});
+    CHECK(read_file(folder.file("a.tissue-0123abcd.tmp/chapters/one.txt")) == "of the user's own");
+}
+
+TEST_CASE("what remove_folder() removes is the folder that was made, whatever has its name", "[files]") {
+    const TemporaryFolder folder;
+    const Beside made = make_folder_beside(folder.file("a"));
+    const OpenFolder within(made.folder, made.name, "a");
+    write_new_file(within, "half.csv", "half.csv", "of the program");
+    CHECK(folder.names() == std::vector<std::string>{made.name});
+    std::filesystem::rename(folder.file(made.name), folder.file("elsewhere"));
+    write_files(folder.file(made.name), {{"thesis.tex", "of the user's own"}});
+    remove_folder(made);
+    ::close(made.descriptor);
+    CHECK(read_file(folder.file(made.name + "/thesis.tex")) == "of the user's own");
+    CHECK(std::filesystem::is_empty(folder.file("elsewhere")));
+}
+
 TEST_CASE("a file that is being written may be opened as HDF5 opens it, and nobody takes it for left over") {
     const TemporaryFolder folder;
     NewFile writer(folder.file("a"));

@@ -82,7 +82,9 @@ TEST_CASE("a quote that does not end is refused where it begins", "[csv]") {
 TEST_CASE("a decimal comma is named, and blanks about a number are none of it", "[csv]") {
     CHECK(number_in("a;b\n1; 2.5e-3 \n") == 2.5e-3);
     CHECK_THAT(refusal<FileError>([] { number_in("a;b\n1;2,5\n"); }), Contains("data.csv:2: ") && Contains("'2,5'") && Contains("write a point"));
-    for (const char* none : {"+2", "", "1 000", "0x10", "1e400", "inf"})
+    CHECK(number_in("a;b\n1;+2\n") == 2);
+    CHECK(number_in("a;b\n1;\" 20.0 \"\n") == 20);
+    for (const char* none : {"+-2", "++2", "+", "", "1 000", "0x10", "1e400", "inf"})
         CHECK_THAT(refusal<FileError>([&] { number_in(std::string("a;b\n1;") + none); }), Contains("not a finite number"));
     std::istringstream in("a [mm],b [mm]\n1,5,2,5\n");
     CsvTable table(in, "data.csv");

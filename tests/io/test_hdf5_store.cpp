@@ -199,7 +199,7 @@ TEST_CASE("a file that is missing, empty, foreign or a folder is refused by name
     CHECK_THAT(said(folder.file("none.h5")), Contains("none.h5") && Contains("no such file"));
     CHECK_THAT(said(folder.file("empty.h5", "")), Contains("empty.h5") && Contains("not an HDF5 file"));
     CHECK_THAT(said(folder.file("text.h5", "not a file of ours\n")), Contains("text.h5") && Contains("not an HDF5 file"));
-    CHECK_THAT(said(folder.file("")), Contains("no such file"));
+    CHECK_THAT(said(folder.file("")), Contains("is a folder, wanted a file"));
 
     const std::string foreign = folder.file("foreign.h5");
     H5Fclose(H5Fcreate(foreign.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));

@@ -405,6 +405,8 @@ def solid_law_csv(export, h5):
     same("coefficients", column(read["terms"], "coefficient")[:, 0], h5["law/coefficients"][:])
     same("range of curved", [float(row["curved"]) for row in read["contact"][7:]], h5["law/curved_range"][:])
     correction, corrections = h5["law/lattice_correction"][:], table(export / "correction.csv")
+    own = column(corrections, "radius_m")[:, 0] == h5["law"].attrs["disc_radius_m"]
+    corrections = [row for row, mine in zip(corrections, own) if mine]
     same("correction", column(corrections, "log_scale")[:, 0], correction.reshape(-1))
     same("its facets", column(corrections, "facet")[:, 0], np.repeat(np.arange(len(correction)), correction.shape[1]))
     same("its corners", column(corrections, "weight_i", "weight_j", "weight_k").sum(axis=1), np.ones(correction.size), 1e-12)

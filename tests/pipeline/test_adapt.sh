@@ -30,6 +30,19 @@ check "a held-out poke that is none of the tissue is no reference, and no error 
 check "the model plays" "$TISSUE_HAPTIC" "$scratch/whole.h5" --seconds 0.2 --no-realtime
 check "info names what was learned" sh -c "'$TISSUECTL' info '$scratch/whole.h5' | grep -q adaptation/covariance"
 
+# ---- going on: by the options that the file was begun with
+for option in "--noise 0.5" "--model-error 0.5" "--place-error 0.01" "--unknowns scale" "--no-rival"; do
+    check "of a file that has learned, $option is refused" sh -c "! '$TISSUECTL' adapt '$scratch/whole.h5' --data '$pokes' --first 1 $option --out '$scratch/on.h5' 2>'$scratch/log'"
+    check "$option: one line says with what it has learned" grep -q "^tissuectl: .*/whole.h5: has learned with ${option%% *} .*, not .*: leave the option out, or begin again with --forget" "$scratch/log"
+done
+check "nothing is written then" absent "$scratch/on.h5"
+check "its own value is no other" adapt "$scratch/whole.h5" --data "$pokes" --first 1 --noise 0.02 --unknowns field --out "$scratch/on.h5"
+check "with --forget another one applies" adapt "$scratch/whole.h5" --data "$pokes" --first 1 --noise 0.5 --unknowns scale --forget --out "$scratch/anew.h5"
+check "and it learns as from the trained model" adapt "$model" --data "$pokes" --first 1 --noise 0.5 --unknowns scale --out "$scratch/fresh.h5"
+check "to the last bit" same_learned "$scratch/anew.h5" "$scratch/fresh.h5"
+check "how readings were taken is asked of tissue that relaxes alone" sh -c "! '$TISSUECTL' adapt '$model' --data '$pokes' --readings instantaneous --out '$scratch/none.h5' 2>'$scratch/log'"
+check "in one line" grep -q '^tissuectl: .*/model.h5: does not relax; --readings is of tissue that does' "$scratch/log"
+
 check "what was learned is drawn" "$PYTHON" "$root/scripts/figures/learned.py" "$scratch/map.png" "$scratch/whole.h5" --truth 20 60 10
 check "into a picture" exist "$scratch/map.png"
 check "a model that has learned nothing is refused in one line" sh -c "! '$PYTHON' '$root/scripts/figures/learned.py' '$scratch/map.png' '$model' 2>'$scratch/log' && grep -q 'has learned no field' '$scratch/log'"

@@ -70,6 +70,14 @@ usage "no iterations" train --study s --cases c --out m --iterations 0
 usage "a word too many" info a.h5 b.h5
 usage "seconds that are no number" serve model.h5 --seconds nan
 check "seconds that are no number: the line says so" says '--seconds: nan is no number'
+for words in "adapt model.h5 --data d --out o --noise" "adapt model.h5 --data d --out o --model-error" "adapt model.h5 --data d --out o --place-error" "adapt model.h5 --data d --out o --next-depth" \
+    "new x --shape s.stl --size" "new x --shape s.stl --thickness" "new x --shape s.stl --bed" "surface s.stl --repair o.stl --closes" "surface s.stl --repair o.stl --offset"; do
+    # shellcheck disable=SC2086  # words
+    usage "$words nan" $words nan
+    check "$words nan: one line says so" says "${words##* }: nan is no "
+done
+usage "an infinite size" new x --shape s.stl --size inf
+check "an infinite size: one line says so" says '--size: inf is no finite number above 0'
 run "$TISSUE_HAPTIC" model.h5 --seconds NaN
 check "seconds that are no number: exit 2 of tissue-haptic" exited 2
 # what options of a session refuse: test_doors.sh
@@ -82,16 +90,23 @@ done
 # ---- exit status 1: the work failed
 mkdir "$scratch/without"
 cat >"$scratch/without/sitecustomize.py" <<'PY'
-import sys
+import os, sys
 class Without:
     def find_spec(self, name, path=None, target=None):
-        if name in ("matplotlib", "jinja2"):
+        if name in ("matplotlib", "jinja2", *os.environ.get("WITHOUT", "").split()):
             raise ModuleNotFoundError(f"No module named '{name}'", name=name)
 sys.meta_path.insert(0, Without())
 PY
 run env PYTHONPATH="$scratch/without" "$PYTHON" scripts/figures/draw.py force results/tiny "$scratch/force.png"
 check "no matplotlib: exit 1" exited 1
 check "no matplotlib: one line names the package" one_line '^draw.py: .*; install python3-matplotlib'
+for script in figures/contacts.py figures/motion.py figures/ablation.py figures/learned.py figures/trust.py gains_study.py patient_study.py; do
+    run env PYTHONPATH="$scratch/without" "$PYTHON" scripts/$script
+    check "no matplotlib for $script: exit 1" exited 1
+    check "no matplotlib for $script: one line names the package" one_line "^${script##*/}: .*; install python3-matplotlib"
+done
+run env PYTHONPATH="$scratch/without" WITHOUT=h5py "$PYTHON" scripts/figures/learned.py
+check "no matplotlib, no h5py: one line" one_line '^learned.py: .*; install python3-'
 run env PYTHONPATH="$scratch/without" "$PYTHON" scripts/report/page.py results/tiny "$scratch/report.html"
 check "no jinja2: one line names the package" one_line '^page.py: .*; install python3-jinja2'
 "$PYTHON" - "$R/cases.h5" "$scratch/held" <<'PY' &

@@ -4,7 +4,7 @@
 . "$(dirname "$0")/common"
 make_copy
 cp -p "$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")" "$work/build/release/tissue-haptic"
-pages="scripts/peers.md cli/README.md lib/README.md fem/README.md lib/api/ENGINES.md results/RESULTS.md results/FORMATS.md SECURITY.md cli/view/PROTOCOL.md"
+pages=$(cd "$root" && find ./*.md cli fem lib scripts results/*.md results/reference -name '*.md' ! -name 'README.md' -o -path '*/README.md' ! -path ./README.md | sort)
 # shellcheck disable=SC2086  # names without blanks
 commands() { "$PYTHON" -B "$root/tests/pipeline/doc_commands.py" "$@"; }
 count() { # checks of the last commands' words that were not well

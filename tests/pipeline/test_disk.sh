@@ -76,6 +76,24 @@ with save.written(out) as first:
 assert open(own).read() == 'precious' and open(out).read() == 'first'
 assert sorted(os.listdir(folder)) == ['a.png', 'a.png.20251125.tmp', 'a.png.tissue-0123abcd.tmp', 'a.png.tmp', 'own'], os.listdir(folder)
 assert os.stat(out).st_mode & 0o777 == 0o664, oct(os.stat(out).st_mode)" "$scratch/planted"
+check "a link that takes the place of what Python draws gets nothing, and nothing is drawn" "$PYTHON" -c "import os, sys
+sys.path.insert(0, 'scripts/figures')
+import save
+folder = sys.argv[1]
+os.mkdir(folder)
+own, out = folder + '/own', folder + '/a.png'
+open(own, 'w').write('precious')
+try:
+    with save.replaced(out) as beside:
+        name, = (entry.path for entry in os.scandir(folder) if entry.name.startswith('a.png.tissue-'))
+        os.unlink(name)
+        os.symlink(own, name)
+        open(beside, 'w').write('drawn')
+except OSError as error:
+    assert 'taken the file away' in error.strerror, error
+else:
+    sys.exit('it was taken for whole')
+assert open(own).read() == 'precious' and os.listdir(folder) == ['own'], os.listdir(folder)" "$scratch/swapped"
 cp -p "$scratch/whole/cases/left.csv" "$R/cases"
 
 # ---- read only: root may write anywhere, so the stages run as nobody then

@@ -334,6 +334,49 @@ for depth in (-1, 0, np.nan, np.inf):
     assert False, depth
 force, _, _ = model.press([top, (0.05, 0.101)], [down, down])  # a millimetre off is on it
 assert (force[0] == force[1]).all() and patient.expect(top, down)[2] == "held"
+# where there is no answer there is no force; no push, no force
+for push in ((0, -0.09), (0, -0.2), (0, -100)):
+    force, _, why = model.press([top], [push])
+    expected, _, status = patient.expect(top, push)
+    assert why[0] and np.isnan(force).all() and status != "held" and np.isnan(expected).all(), (push, why, force, status, expected)
+expected, sd, status = patient.expect(top, (0, 0))
+assert status == "held" and not expected.any() and 0 < sd < 1, (expected, sd, status)
+PY
+check "numbers that no file may have are refused, and an earlier file stays" "$PYTHON" - "$model" "$scratch" <<'PY'
+import math, pathlib, sys
+
+import tissue
+file, scratch = sys.argv[1:]
+for wrong in (dict(force_noise=-0.02), dict(force_noise=math.nan), dict(force_noise=2), dict(model_error=0), dict(model_error=-0.1), dict(place_error_m=-1), dict(place_error_m=math.inf)):
+    try:
+        tissue.Adaptation(file, **wrong)
+    except tissue.Error as e:
+        assert "must be from" in str(e) and "\n" not in str(e), e
+    else:
+        assert False, wrong
+folder = pathlib.Path(scratch, "read_study")
+folder.mkdir()
+for name in ("model.h5", "cases.h5"):
+    (folder / name).symlink_to(pathlib.Path(scratch, name).resolve())
+for content in (b"", b'{"a": ', b"\xff\xfe", None):
+    if content is None:
+        (folder / "eval.json").unlink()
+        (folder / "eval.json").mkdir()
+    else:
+        (folder / "eval.json").write_bytes(content)
+    try:
+        tissue.read_study(folder)
+    except tissue.Error as e:
+        assert "eval.json" in str(e) and "\n" not in str(e), e
+    else:
+        assert False, content
+for what in (lambda: tissue.Model(scratch), lambda: tissue.read_cases(scratch)):
+    try:
+        what()
+    except tissue.Error as e:
+        assert str(e).endswith("is a folder, wanted a file"), e
+    else:
+        assert False
 PY
 check "None in place of any argument of anything is a TypeError or a tissue.Error" "$PYTHON" - "$model" "$scratch" <<'PY'
 import sys
@@ -347,7 +390,8 @@ calls = {tissue.Model: dict(file=file), tissue.Simulation: dict(model=model, fri
          session.tick: dict(position_m=(0, 0.2, 0), elapsed_s=0.001), session.tick_tools: dict(positions_m=[(0, 0.2, 0)], elapsed_s=0.001, age_s=[0]), session.ticks: dict(positions_m=[(0, 0.2, 0)], elapsed_s=0.001),
          tissue.Adaptation: dict(model_file=file, unknowns="field", force_noise=0.02, model_error=0.03, place_error_m=0, rival=True),
          patient.learn: dict(contact_m=top, push_m=down, force_N=(0, -0.3)), patient.expect: dict(contact_m=top, push_m=down), patient.next: dict(depth_m=0.006, count=1),
-         patient.write: dict(file=scratch + "/none.h5"), tissue.read_study: dict(folder=scratch), tissue.read_cases: dict(file=scratch + "/cases.h5")}
+         patient.write: dict(file=scratch + "/none.h5"), tissue.read_study: dict(folder=scratch), tissue.read_cases: dict(file=scratch + "/cases.h5"),
+         session.use_tool: dict(tool=0), session.clutch: dict(on=False)}
 for call, arguments in calls.items():
     call(**arguments)
     for name in arguments:

@@ -60,6 +60,32 @@ convert results/tiny/law.h5 --to vtu --out "$out/law"
 check "VTK reads the law pressed at its cases, as the tables have it" exported law-vtu "$out/law" "$R/law.h5" "$out/law-csv"
 convert results/tiny/law.h5 --to vtu --set top-8mm --out "$out/law-one"
 check "--set takes one case of a law" test "$(ls "$out/law-one")" = top-8mm.vtu
+"$PYTHON" - "$R/law.h5" "$R/relaxing.h5" <<'PY'
+import shutil, sys
+import h5py, numpy as np
+shutil.copy(*sys.argv[1:])
+with h5py.File(sys.argv[2], "r+") as f:
+    f["law/relaxation_time"], f["law/contact_share"] = np.ones(1), np.full(1, 0.5)
+    f["law/share"] = np.full((len(f["law/constants"]), 1), 0.5)
+    for name, unit in (("relaxation_time", "s"), ("share", "1"), ("contact_share", "1")):
+        f["law"][name].attrs["unit"] = np.bytes_(unit)
+PY
+for to in csv vtu; do
+    convert results/tiny/relaxing.h5 --to $to --out "$out/relaxing-$to"
+    check "a law that relaxes goes to $to: exit 0" exited 0
+    check "and a line says that its presses are answered at once" one_line '^tissuectl export: results/tiny/relaxing.h5 relaxes: pushes are answered by its instantaneous constants'
+done
+mkdir "$R/lost"
+cp "$R/cases/"*.csv "$R/lost"
+printf 'tissuectl load path,1\nlost,0,folded on the way\n' >"$R/lost/left.csv"
+tissuectl collect --study fem/studies/tiny.toml --paths results/tiny/lost --out results/tiny/lost.h5
+check "paths of which finite elements lost one are collected" exited 0
+convert results/tiny/lost.h5 --to vtu --out "$out/lost"
+check "the others go to ParaView: exit 0" exited 0
+check "and a line names the one that is left out" one_line '^tissuectl export: left, left out: finite elements lost it before its first record: folded on the way'
+convert results/tiny/lost.h5 --to vtu --path left --out "$out/left"
+check "nothing but a lost path: exit 1" exited 1
+check "nothing but a lost path: nothing is written" absent "$out/left"
 
 # ---- the same after it has learned from a poke: its contacts are stiffer in places
 tissuectl export results/tiny/law.h5 --to csv --set top-8mm --out "$out/top"

@@ -82,6 +82,24 @@ echo "include/tissue/gone.h" >>"$prefix/share/doc/tissuectl/manifest"
 : >"$prefix/include/tissue/gone.h"
 place "$build" PREFIX="$prefix"
 check "installing again takes away what is no longer part of it" absent "$prefix/include/tissue/gone.h"
+left="$prefix/bin/tissuectl.tissue-Ry0WvV6x.tmp"
+: >"$left"
+place "$build" PREFIX="$prefix"
+check "what a killed installation left goes" absent "$left"
+mkdir "$scratch/bin"
+cat >"$scratch/bin/mktemp" <<SH
+#!/bin/sh
+name=\$("$(command -v mktemp)" "\$@") || exit 1
+case \$name in *.tissue-*) ln -sfT "$scratch/precious" "\$name" ;; esac
+printf '%s\n' "\$name"
+SH
+chmod +x "$scratch/bin/mktemp"
+echo precious >"$scratch/precious"
+place "$build" PREFIX="$prefix" PATH="$scratch/bin:$PATH"
+check "a link that takes the name of a file in the making: exit 1" exited 1
+check "a link that takes the name of a file in the making: one line" one_line '^install: cannot write .*another file has taken the name'
+check "and nothing is written through it" test "$(cat "$scratch/precious")" = precious
+check "nor left" test -z "$(find "$prefix" -name '*.tissue-*')"
 place "$build" PREFIX=/opt/tissue DESTDIR="$scratch/stage"
 check "DESTDIR stands before PREFIX" exist "$scratch/stage/opt/tissue/bin/tissuectl"
 check "and in no file" sh -c '! grep -rIl "$1" "$1"' - "$scratch/stage"

@@ -49,8 +49,17 @@ echo kept >>"$R/cases/left.log"
 (cd "$work" && scripts/own_file results/tiny/cases/left.log)
 check "a log that is a file of its own stays" test "$(cat "$R/cases/left.log")" = kept
 
-# ---- folders
+# ---- results
 mkdir "$scratch/elsewhere"
+echo precious >"$scratch/elsewhere/mesh.msh.raw"
+rm -f "$R/mesh.msh"
+ln -s "$scratch/elsewhere" "$R/mesh.msh"
+run env -C "$work" TISSUECTL="$TISSUECTL" scripts/mesh results/tiny/mesh.msh fem/block.geo -2 -setnumber cells_x 4 -setnumber cells_y 4
+check "a mesh whose name leads to a folder takes the place of the link" test -f "$R/mesh.msh" -a ! -h "$R/mesh.msh"
+check "and leaves what is in the folder" test "$(cat "$scratch/elsewhere"/*)" = precious
+rm "$scratch/elsewhere"/*
+
+# ---- folders
 rm -rf "$R/cases" "$R/first"
 ln -s "$scratch/elsewhere" "$R/cases"
 make_tiny results/tiny/cases/left.csv
@@ -128,6 +137,8 @@ for word in abc 1,5 0x1 1e "1
     run scripts/solve_path results/tiny number -geo fem/block3.geo -size_near "$word"
     check "'$(echo "$word" | tr '\n' ' ')' for a size: one line" one_line "load path 'number': argument -size_near must be a number, got"
 done
+run scripts/solve_path results/tiny number -geo fem/block3.geo -nodule_raduis 0.008
+check "a misspelt argument that would go to gmsh, which takes any" one_line "load path 'number': argument -nodule_raduis is not known"
 run scripts/solve_path results/tiny number -geo fem/block3.geo -contact_x 0 -contact_y -.5e-2 -size_near abc
 check "0 and a power of ten are numbers" one_line "argument -size_near must be a number, got 'abc'"
 

@@ -41,5 +41,27 @@ cp "$scratch/eval.json" "$R/eval.json"
 for name in page force; do
     check "an evaluation with wrong content, $name: one line" "$PYTHON" -B "$root/tests/pipeline/wrong_content.py" $name "$R"
 done
+check "of an HDF5 file that leads to another one nothing is read" "$PYTHON" -B -c "import subprocess, sys
+import h5py, numpy
+file, secret = sys.argv[1:]
+sys.path.insert(0, 'scripts/figures')
+with h5py.File(secret, 'w') as f:
+    f['x'] = numpy.ones(3)
+def linked(f): f['link'] = h5py.ExternalLink(secret, '/x')
+def soft(f): f['link'] = h5py.SoftLink('/here')
+def raw(f): f['group'].create_dataset('x', (3,), 'f8', external=[(secret, 0, 24)])
+def virtual(f):
+    layout = h5py.VirtualLayout((3,), 'f8')
+    layout[:] = h5py.VirtualSource(secret, 'x', (3,))
+    f.create_virtual_dataset('x', layout)
+def within(f): f['group/again'] = f['group']
+for foreign, why in ((linked, 'is a link'), (soft, 'is a link'), (raw, 'values in another file'), (virtual, 'values in another file'), (within, 'within itself'), (None, '')):
+    with h5py.File(file, 'w') as f:
+        f['here'] = numpy.zeros(3)
+        f.create_group('group')
+        if foreign: foreign(f)
+    ended = subprocess.run([sys.executable, '-c', 'import sys; sys.path.insert(0, sys.argv[1]); from stored import stored\nwith stored(sys.argv[2]) as f: print(*f)', 'scripts/figures', file], capture_output=True, text=True)
+    assert (ended.returncode, bool(ended.stdout)) == ((2, False) if foreign else (0, True)) and why in ended.stderr and ended.stderr.count('\\n') <= 1, (why, ended)" \
+    "$scratch/foreign.h5" "$scratch/secret.h5"
 check "nothing half-written is left" no_half_files "$R"
 finish

@@ -96,13 +96,15 @@ class Page:
     def control(self, holder="nobody", paused=False, place=-1):
         self.say({"type": "control", "holder": holder, "holders": [holder], "paused": paused, "place": place})
 
-    def states(self, count, moved=((0, 0), (0, 0)), force=(0, 0), pressed=0, where=0, contact=(0, 0.05), shift=None, gap=1 / 60, tool=(-0.03, 0.05)):
-        """So many states of a tool that stands still, at `tool` where nothing is pressed; shift: by node of the heuristic mesh, m."""
+    def states(self, count, moved=((0, 0), (0, 0)), force=(0, 0), pressed=0, where=0, contact=(0, 0.05), shift=None, gap=1 / 60, tool=(-0.03, 0.05), status=0, behind=0):
+        """So many states of a tool that stands still, at `tool` where nothing is pressed; behind: how far it is behind the hand, m; shift: by node of the heuristic mesh, m."""
         nodes = [x for m in (0, 1) for k, p in enumerate(nodes_of(m)) for x in (p if m == 0 or not shift or k not in shift else [a + b for a, b in zip(p, shift[k])])]
         head = [0.0] * 32
         head[0], head[6], head[13], head[22], head[23], head[24], head[26] = self.time + gap, 1000, pressed, where if pressed >= 0 else -1, 1, -1, 1
         head[9:13] = [contact[0] + moved[0][0], contact[1] + moved[0][1]] * 2 if pressed >= 0 else [*tool] * 2
+        head[9] += behind
         head[14:20] = [*moved[0], *moved[1], *force]
+        head[28:31] = [status, *contact]
         self.browser.js("socket.states(...arguments)", count, gap, [None if math.isnan(x) else x for x in head], nodes)
         self.time += count * gap
 
@@ -196,12 +198,74 @@ def left_behind(page):
     for _ in range(5):
         page.states(3, pressed=-1, shift=fold)
         said = page.verdict()
-    check("of a mesh that stays folded the page says so", said == "Nothing touches the tissue, but the heuristic mesh lies still 16.0 mm from rest, folded. Reset puts it to rest.", said)
+    check("of a mesh that stays folded the page says so", said == "Nothing touches the tissue, but the heuristic mesh is folded, 16.0 mm from rest. Reset puts it to rest.", said)
+    page.states(3, pressed=-1, shift={60: [0.0161, 0]})
+    said = page.verdict()
+    check("at the first look", "the heuristic mesh is folded" in said, said)
     page.states(3, pressed=-1, shift={60: [0.004, 0]})
     said = page.verdict()
     check("and of one that swings, that", said == "Nothing touches the tissue; it is on its way back to rest.", said)
+    for _ in range(5):
+        page.states(3, pressed=-1, shift={60: [0.003, 0]})
+        said = page.verdict()
+    check("of one that stays elsewhere, that it lies still", said == "Nothing touches the tissue, but the heuristic mesh lies still 3.0 mm from rest. Reset puts it to rest.", said)
     said = page.press((5, 0), (5, 0), (1.1, 0), shift=fold)
     check("a folded mesh is not compared", said == "Against finite elements the learned mesh is 10 % too stiff; the heuristic mesh is folded.", said)
+
+
+def without_force(page):
+    page.open(model_of(LEFT), {"holder": "you"})
+    for status, words in ((1, "position was refused"), (2, "has been outside"), (3, "is folded"), (4, "came apart")):
+        page.states(5, pressed=-1, status=status, tool=(0.01, 0.05))
+        said = page.verdict()
+        check(f"without force the page says why ({words}), and does not invite", said.startswith("No force") and words in said and not re.search("[Pp]ress|[Dd]rag", said), said)
+    page.states(5, pressed=-1)
+    said = page.verdict()
+    check("and invites again", said.startswith("Nothing touches the tissue. Drag"), said)
+
+
+def limit(page):
+    page.open(model_of(LEFT))
+    page.states(5, pressed=-1)
+    page.states(40, [[0.005, 0]] * 2, (1.1, 0), behind=0.01)
+    said = page.verdict()
+    check("a tool that stays behind the hand presses where it touches the tissue", said == "Against finite elements the learned mesh is 10 % too stiff, the heuristic one 10 % too stiff." and
+          page.browser.js("tissue.distance_m") < 1e-9, [said, page.browser.js("tissue.distance_m")])
+
+
+def relaxing(page):
+    relaxation = {"tau_s": [0.05, 10], "share": [0.3, 0.3]}
+    page.open(model_of(LEFT, relaxation=relaxation))
+    page.states(60, pressed=-1)
+    for k in range(8):
+        page.states(3, pressed=-1, shift={60: [0.004 - 0.00006 * k, 0]})
+        said = page.verdict()
+    check("tissue that creeps back is not said to lie still", said.startswith("Nothing touches the tissue, which relaxes: the heuristic mesh is still 3."), said)
+    page.open(model_of(LEFT, relaxation=relaxation))
+    page.states(60, pressed=-1)
+    page.states(10, [[1e-3 * 5 * x for x in rotated(8)]] * 2, (0.5, 0))
+    page.states(40, [[0.005, 0]] * 2, (0.5, 0))
+    said = page.verdict()
+    check("a push that went astray is no earlier press", said.startswith("In this press the tool was where finite elements were not"), said)
+
+
+def headings(page):
+    first = lambda model: (page.open(model), page.browser.text("title"), page.browser.text("lead").replace("\xa0", " "))[1:]  # noqa: E731
+    title, lead = first(model_of(LEFT))
+    check("two meshes are said to be two, and the curve to be there", title == "One force, two meshes" and "thick curve" in lead, [title, lead])
+    title, lead = first(model_of([{**LEFT[0], "curve": []}]))
+    check("without a curve none is spoken of", title == "One force, two meshes" and "curve" not in lead, [title, lead])
+    alone = model_of(LEFT)
+    alone["meshes"] = alone["meshes"][:1]
+    title, lead = first(alone)
+    check("nor a second mesh where there is one", title == "One force on one mesh" and not re.search("two|either|both|heuristic", lead), [title, lead])
+    page.open(model_of(LEFT, learns=True))
+    said = page.browser.text("reading_text").replace("\xa0", " ")
+    check("a model that learns says what a reading is, and where there is none", "hold still for a second" in said and "at its limit of 3.00 N" in said, said)
+    page.say({"type": "learned", "reading": {"contact_m": [0, 0.05], "push_m": [0.005, 0], "status": "learned", "why": "", "warning": ""}})
+    page.say({"type": "learned", "ended": "there is no room left"})
+    said = page.browser.text("reading_text")
+    check("and that learning has ended", said == "Learning has ended, and the tissue stays as it has become: there is no room left.", said)
 
 
 def standing(page):
@@ -371,7 +435,7 @@ def main():
             server = Server(program, [model], folder)
             browser.cdp("Page.addScriptToEvaluateOnNewDocument", source=SOCKET)
             page = Page(browser, server.url)
-            for part in (central_sentence, not_a_number, many, left_behind, standing, lost, arrows, snapping, clicking, taking_over):
+            for part in (central_sentence, not_a_number, many, left_behind, without_force, limit, relaxing, headings, standing, lost, arrows, snapping, clicking, taking_over):
                 if not only or part.__name__ in only:
                     part(page)
             seen = [line for line in browser.complaints() if "getImageData" not in line]

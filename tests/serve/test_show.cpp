@@ -44,8 +44,8 @@ TEST_CASE("the first to put the pointer down holds the tissue until it lets go, 
     CHECK(s.last_holder(2) == "nobody");
     CHECK_FALSE(s.show->hear(2, R"({"type":"demo","place":3})", s.now_s));
     CHECK(s.heard[2].back() == Json({{"type", "control"}, {"holder", "demo"}, {"holders", {"demo"}}, {"paused", false}, {"place", 3}}));
-    CHECK_FALSE(s.show->hear(2, R"({"type":"demo","place":99})", s.now_s));   // of another model: the first place
-    CHECK(s.heard[2].back()["place"] == 1);
+    CHECK(s.show->hear(2, R"({"type":"demo","place":99})", s.now_s)->reason == "no such place");
+    CHECK(s.heard[2].back()["place"] == 3);
     CHECK(s.show->hear(2, R"({"type":"model","model":2})", s.now_s)->kind == std::string("message"));
     CHECK(s.show->hear(2, "x", s.now_s)->reason == "not JSON");
 }
@@ -181,18 +181,20 @@ TEST_CASE("two tools are led by one page or two, and a state has both", "[serve]
     const double come_m = 2e-3;
     CHECK(wait([&](const auto& head) { return std::abs(head[9] - left[0]) < come_m && std::abs(head[own + 2] - right[0]) < come_m; }));
     const std::vector<double> head = show.frame().head;
-    CHECK(head.size() == own + (solid ? 18 : 12));
+    CHECK(head.size() == own + (solid ? 20 : 14));
     CHECK(head[own + 1] == 0);
     const auto vector = [&](std::size_t k) {
         Point p(solid ? 3 : 2);
         p[0] = head[own + k], p[1] = head[own + k + 1];
-        if (solid) p[2] = head[own + 12 + (k - 2) / 2];
+        if (solid) p[2] = head[own + 14 + (k - 2) / 2];
         return p;
     };
     CHECK(vector(8)[low.size() - 1] < 0);  // it presses down
     CHECK((vector(8) + vector(10)).norm() < 1e-6);
     CHECK(vector(6)[low.size() - 1] < 0);
     CHECK((vector(4) - vector(2)).norm() < 0.01);
+    const double beside_m = 5e-3;  // the contact, at rest, is where the tool came in
+    CHECK((vector(12) - vector(2)).head(low.size() - 1).norm() < beside_m);
     CHECK_FALSE(point(2, 1, right, false));
     CHECK(control[1]["holders"] == Json({"you", "nobody"}));
     CHECK(wait([&](const auto& now) { return now[own] == -1 && now[13] == 0; }));

@@ -280,6 +280,11 @@ TEST_CASE("a state in space has three numbers of every vector, and the surface's
     if (state.contact_displacement_m.size() > 1) CHECK(at(16, 35) == std::vector<double>{0.4, 0.5, 0.6});
     CHECK(at(18, 36) == std::vector<double>{7, 8, 9});
     CHECK(at(20, 37) == std::vector<double>{10, 11, 12});
+    const Point contact = s.model->meshes[0]->springs.rest_place(0, state.record.weight);
+    CHECK(at(29, 31) == std::vector<double>(contact.begin(), contact.end()));
+    state.record.mesh = -1;
+    const std::vector<double> untouched = make_frame(state, *s.scene, s.scene->near(state), {}).head;
+    CHECK((untouched[29] == 0 && untouched[30] == 0 && untouched[31] == 0));
     REQUIRE(frame.nodes_m.size() == s.model->meshes.size());
     for (std::size_t m = 0; m < frame.nodes_m.size(); ++m) {
         const Point& place = s.model->meshes[m]->place_m;

@@ -1,4 +1,5 @@
 // The door for Python: `import tissue`. help(tissue) is the documentation.
+#include <fmt/format.h>
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -18,6 +19,7 @@
 #include "error.h"
 #include "eval/closed_loop.h"
 #include "haptic/session_options.h"
+#include "io/atomic_file.h"
 #include "io/one_line.h"
 #include "parallel.h"
 #include "springs/law_at_radius.h"
@@ -78,13 +80,19 @@ void needs_init() {
 
 using Options = std::vector<std::pair<std::string, std::string>>;
 
+/// A bool of Python's or of numpy's, which any comparison of its values gives.
+bool is_bool(py::handle value) {
+    const std::string type = Py_TYPE(value.ptr())->tp_name;
+    return py::isinstance<py::bool_>(value) || type == "numpy.bool" || type == "numpy.bool_";
+}
+
 Options options_of(const py::kwargs& given) {
     Options options;
     for (const auto& [key, value] : given) {
         std::string name = py::str(key);
         std::replace(name.begin(), name.end(), '_', '-');
         std::string text;
-        if (py::isinstance<py::bool_>(value))
+        if (is_bool(value))
             text = value.cast<bool>() ? "yes" : "no";
         else if (py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value))
             for (const auto& part : value) text += std::string(py::str(part)) + " ";
@@ -336,9 +344,13 @@ py::dict read_study(const File& folder) {
     study["paths"] = paths_of(folder / "cases.h5");
     study["eval"] = py::none();
     if (!std::filesystem::exists(folder / "eval.json")) return study;
-    const py::object file = py::module_::import("io").attr("open")(folder / "eval.json");
-    study["eval"] = py::module_::import("json").attr("load")(file);
-    file.attr("close")();
+    const std::string file = (folder / "eval.json").string(), text = read_file(file);
+    try {
+        study["eval"] = py::module_::import("json").attr("loads")(py::bytes(text));
+    } catch (const py::error_already_set& e) {
+        if (!e.matches(PyExc_ValueError)) throw;
+        throw FileError(fmt::format("{}: is no JSON: {}", file, one_line(py::str(e.value()))));
+    }
     return study;
 }
 
@@ -450,7 +462,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
                    (t.energy_law ? ", a law>" : ", " + std::to_string(t.case_count()) + " spring sets>");
         });
 
-    py::class_<Session>(m, "Simulation", "The running tissue: the tick of tissue-haptic, with its safety.")
+    py::class_<Session>(m, "Simulation", "The running tissue: the tick of tissue-haptic, with its safety. To make one of a law in space takes seconds, in which its spectrum is worked out; Ctrl-C comes after that.")
         .def(py::init([](std::shared_ptr<TissueModel> model, const py::kwargs& given) {
                  const HapticOptions options = with(interface_options(), options_of(given));
                  const py::gil_scoped_release others_may;
@@ -480,7 +492,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
                  alone(s, [&] { s.simulation.change(with(s.simulation.options(s.tool()), options, changeable(s.simulation)), s.tool()); });
              },
              "Options that may change while it runs, by name, and before the first tick limits of the device (force_max, ..). A change that moves the tool by more than a hand does in a tick is a new start: it must be outside once.")
-        .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool()); }); }, py::arg("on"), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
+        .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool()); }); }, py::arg("on").noconvert(), "On: the hand moves and the tool stays, without force. Off: the tool goes on from there.")
         .def_property("state", &state_of, &restore, "All that changes while it runs, as bytes; a session of the same model and options to which they are given goes on from them bit for bit.")
         .def("begin", [](Session& s) { return alone(s, [&] { return std::make_unique<Session>(s.tissue, s.model, s.surfaces); }); },
              "Another session of the same model, at rest, with the options that this one was made with, and its surfaces; it costs a thousandth of a new Simulation.")
@@ -541,7 +553,7 @@ ticks() between two ticks, press() between two contacts and next() between two p
              py::arg("rival") = true, "Goes on where the file has learned already, with its own options then.")
         .def("learn", &learn, py::arg("contact_m"), py::arg("push_m"), py::arg("force_N"),
              "One poke: where the tool touched at rest, how far it went [m], its force on the tissue [N] (D each). Returns what became of it: status (learned, gated, refused), why, ...")
-        .def("expect", &expect, py::arg("contact_m"), py::arg("push_m"), "Force of a push [N] (D), its standard deviation over its size, and the status of the rest.")
+        .def("expect", &expect, py::arg("contact_m"), py::arg("push_m"), "Force of a push [N] (D; NaN unless the status is held), its standard deviation over its size, and the status of the rest.")
         .def("next", &next, py::arg("depth_m") = usual_depth_m, py::arg("count") = 3, "Pushes that would tell most: contact, push, and what part of the mean variance of all forces each would take away.")
         .def("model", [](Patient& p) { return alone(p, [&] { return std::make_shared<TissueModel>(p.adaptation->model()); }); }, "The model as it is now.")
         .def("write", [](Patient& p, const File& file) { alone(p, [&] { write_adapted_model(file.string(), *p.adaptation, {"python tissue.Adaptation.write", 0, {}}); }); },

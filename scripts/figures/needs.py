@@ -1,0 +1,12 @@
+"""Imported before packages that may be missing: their absence is one line that says what to install, and no traceback."""
+import sys
+from pathlib import Path
+
+
+def told(kind, error, trace):
+    if not issubclass(kind, ImportError) or not error.name:
+        return sys.__excepthook__(kind, error, trace)
+    print(f"{Path(sys.argv[0]).name}: {error}; install python3-{error.name.partition('.')[0].replace('_', '-')}", file=sys.stderr)
+
+
+sys.excepthook = told

@@ -1,0 +1,29 @@
+"""HDF5 files of the project, read: `with stored(FILE) as file:`. What in one leads to another file is refused, as lib/io/hdf5_reader.cpp does."""
+import contextlib
+
+import h5py
+
+from one_line import reading
+
+
+def refuse_foreign(group, above=()):
+    """Links of any kind but hard ones, values that another file holds, and groups within themselves."""
+    above = (*above, h5py.h5o.get_info(group.id).addr)
+    for name in group:
+        place = f"{group.name.rstrip('/')}/{name}"
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise ValueError(f"{place}: is a link, which is not followed")
+        item = group[name]
+        if isinstance(item, h5py.Dataset) and (item.external or item.is_virtual):
+            raise ValueError(f"{place}: has its values in another file, which is not followed")
+        if isinstance(item, h5py.Group):
+            if h5py.h5o.get_info(item.id).addr in above:
+                raise ValueError(f"{place}: is a group within itself")
+            refuse_foreign(item, above)
+
+
+@contextlib.contextmanager
+def stored(file):
+    with reading(file), h5py.File(file) as content:
+        refuse_foreign(content)
+        yield content
