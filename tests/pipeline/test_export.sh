@@ -73,7 +73,7 @@ PY
 for to in csv vtu; do
     convert results/tiny/relaxing.h5 --to $to --out "$out/relaxing-$to"
     check "a law that relaxes goes to $to: exit 0" exited 0
-    check "and a line says that its presses are answered at once" one_line '^tissuectl export: results/tiny/relaxing.h5 relaxes: pushes are answered by its instantaneous constants'
+    check "and a line says that its presses are answered at once" says '^tissuectl export: results/tiny/relaxing.h5 relaxes: pushes are answered by its instantaneous constants'
 done
 mkdir "$R/lost"
 cp "$R/cases/"*.csv "$R/lost"
@@ -82,7 +82,7 @@ tissuectl collect --study fem/studies/tiny.toml --paths results/tiny/lost --out 
 check "paths of which finite elements lost one are collected" exited 0
 convert results/tiny/lost.h5 --to vtu --out "$out/lost"
 check "the others go to ParaView: exit 0" exited 0
-check "and a line names the one that is left out" one_line '^tissuectl export: left, left out: finite elements lost it before its first record: folded on the way'
+check "and a line names the one that is left out" says '^tissuectl export: left, left out: finite elements lost it before its first record: folded on the way'
 convert results/tiny/lost.h5 --to vtu --path left --out "$out/left"
 check "nothing but a lost path: exit 1" exited 1
 check "nothing but a lost path: nothing is written" absent "$out/left"

@@ -174,7 +174,7 @@ for name in eval.json cases.h5 model.h5; do
 done
 cat >"$scratch/ablation.json" <<'JSON'
 {"variants": [{"fe_paths": 20, "numbers": 12, "area_cap_E2": 1, "shape_scale": 1, "magnitudes_m": [0.01], "arcs_m": [0.1], "angles_deg": [0],
-  "held_out": {"learned": {"median": 0.01, "p95": 0.02, "max": 0.03, "shape": {"median": 0.01, "p95": 0.02, "max": null}}}}]}
+  "held_out": {"learned": {"median": 0.01, "p95": 0.02, "max": 0.03, "n": 40, "of": 40, "shape": {"median": 0.01, "p95": 0.02, "max": null}}}}]}
 JSON
 cat >"$scratch/motion.json" <<'JSON'
 {"study": "tiny", "presses": [{"static_error": 0.01, "force_N": [1, 2], "static_N": [1, 2], "curve": {"time_s": [0], "force_N": [0], "depth_m": [0]}}],
