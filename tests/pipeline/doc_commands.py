@@ -10,6 +10,7 @@ of the programs, and scripts are looked up, not run.
 """
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -155,7 +156,12 @@ class Words:
         return self.help[words]
 
     def trouble(self, code):
-        words = [w for w in code.partition("&&")[0].split() if not re.match(r"[A-Z_]+=", w)]
+        first = code.partition("&&")[0]
+        try:
+            words = shlex.split(first)
+        except ValueError:  # a quote of a sentence
+            words = first.split()
+        words = [w for w in words if not re.match(r"[A-Z_]+=", w)]
         if not words:
             return None
         program = Path(words[0]).name

