@@ -191,6 +191,9 @@ void run(const Options& o, Provenance provenance) {
     }
     const std::unique_ptr<Adaptation> adaptation = o.live ? live_adaptation(o.model) : to_go_on(o);
     if (o.live && o.forget) adaptation->forget();
+    std::string kept = "adapt: learns with";
+    for (const Kept& k : kept_options) kept += fmt::format(" {}={}", k.option + 2, k.text(adaptation->options()));
+    std::cerr << kept << '\n';
     const int D = adaptation->base().mesh.dimension();
     Lines lines(o, D);
     lines.begin(*adaptation);

@@ -11,6 +11,7 @@ not compared then (ONE_OF_MANY).
 """
 import ctypes
 import datetime
+import functools
 import hashlib
 import json
 import os
@@ -90,6 +91,7 @@ def text(value):
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
+@functools.cache  # what is written meanwhile are records
 def commit():
     """The checkout's commit, with + where files differ from it; - where there is no git."""
     def git(*words):
@@ -110,20 +112,24 @@ def of(results, command):
     evaluation.get("lost", {}).pop("train", None)  # `paths` says it
     if not evaluation.get("lost"):
         evaluation.pop("lost", None)
-    with stored(results / "cases.h5") as cases, stored(results / "model.h5") as model:
-        return rounded({
-            "schema": SCHEMA,
-            "made": {"command": command, "commit": commit(), "date": datetime.date.today().isoformat(), "version": evaluation["version"]},
-            "machine": machine(),
-            "study": evaluation["study"],
-            "seed": evaluation["seed"],
-            "paths": {name: load_path(cases["paths"][name]) for name in cases["path_names"].asstr()},
-            "path_order": digest("\n".join(cases["path_names"].asstr()).encode()),
-            "set_order": digest("\n".join(model["cases/names"].asstr()).encode()),
-            "trained": trained(model),
-            "unique": is_unique(model),
-            "evaluation": kept(evaluation),
-        })
+    with stored(results / "cases.h5") as cases:
+        names = list(cases["path_names"].asstr())
+        paths = {name: load_path(cases["paths"][name]) for name in names}
+    with stored(results / "model.h5") as model:
+        sets, training, unique = "\n".join(model["cases/names"].asstr()), trained(model), is_unique(model)
+    return rounded({
+        "schema": SCHEMA,
+        "made": {"command": command, "commit": commit(), "date": datetime.date.today().isoformat(), "version": evaluation["version"]},
+        "machine": machine(),
+        "study": evaluation["study"],
+        "seed": evaluation["seed"],
+        "paths": paths,
+        "path_order": digest("\n".join(names).encode()),
+        "set_order": digest(sets.encode()),
+        "trained": training,
+        "unique": unique,
+        "evaluation": kept(evaluation),
+    })
 
 
 def load_path(path):

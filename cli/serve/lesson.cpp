@@ -21,10 +21,9 @@ void Lesson::listen(Learner& learner) {
 void Lesson::end(const char* why) noexcept {
     std::cerr << "tissuectl serve: learning has ended, the session goes on without it: " << why << '\n';
     try {
-        News news;
-        news.ended = why;
         const std::lock_guard<std::mutex> lock(mutex_);
-        news_ = std::move(news);
+        if (!news_) news_.emplace();  // what the last reading made of the model is still news where nobody has asked for it
+        news_->ended = why;
     } catch (...) {  // memory has run out: it is told already
     }
 }

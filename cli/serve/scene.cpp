@@ -190,10 +190,7 @@ bool Scene::away_from_rest(const TickState& state) const {
 
 std::string Scene::message(const Lesson::News& news) const {
     Json j = {{"type", "learned"}};
-    if (!news.ended.empty()) {
-        j["ended"] = news.ended;
-        return j.dump();
-    }
+    if (!news.ended.empty()) j["ended"] = news.ended;
     if (learned_) j["learned"] = learned_json(*learned_, shown_);
     if (news.poke) j["reading"] = {{"contact_m", numbers(news.poke->contact_m)}, {"push_m", numbers(news.poke->push_m)}, {"status", to_string(news.status)},
                                    {"why", news.why}, {"warning", news.warning}};

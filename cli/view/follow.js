@@ -31,8 +31,7 @@ const unpressed = left => ({ felt: nothing_felt(model.relaxation), left, strayed
  *  were not, N. unknown: "" or the word why their force is none. */
 function on(mesh, dt, sample, m) {
   const { share, tau_s } = model.relaxation, faded = parts => parts.map((part, k) => part * Math.exp(-dt / tau_s[k]));
-  const left = faded(mesh.left);
-  let strayed = faded(mesh.strayed);
+  let left = faded(mesh.left), strayed = faded(mesh.strayed);
   if (!sample.pressed) {   // after the first tool lets go its branches still hold a part; while the second presses, an unknown part, bounded by the strongest push
     const parts = later(model.relaxation, mesh.felt, dt, 0).parts;
     return unpressed(left.map((part, k) => Math.max(part + strayed[k] + Math.abs(parts[k]), sample.alone ? 0 : share[k] * model.strongest_N)));
@@ -40,7 +39,8 @@ function on(mesh, dt, sample, m) {
   const now = sample.alone ? at_once(sample.place, sample.moved[m]) : { shown: NaN, felt: null }, force = norm(sample.force);
   const strength = Math.max(mesh.largest, Number.isFinite(force) ? force : model.strongest_N);
   const felt = later(model.relaxation, mesh.felt, dt, now.felt === null ? mesh.felt.at_once : now.felt);
-  if (now.felt === null) strayed = strayed.map((part, k) => Math.max(part, share[k] * strength));
+  if (!sample.alone) left = left.map((part, k) => Math.max(part, share[k] * strength));
+  else if (now.felt === null) strayed = strayed.map((part, k) => Math.max(part, share[k] * strength));
   const largest = Math.max(mesh.largest, Math.abs(felt.at_once));
   const unknown = sum(left) > LEFT * largest ? "remembers" : sum(left) + sum(strayed) > LEFT * largest ? "strayed" : "";
   return { felt, left, strayed, largest, unknown, fe_N: unknown || Number.isNaN(now.shown) ? NaN : Math.max(0, force_of(model.relaxation, felt)) };   // no tool pulls

@@ -15,7 +15,7 @@ function recolour() {
 /** A "learned" message: another reading. */
 export function take_learned(message) {
   if (!model) return;
-  if (message.ended) model.ended = message.ended;
+  if (message.ended) Object.assign(model, { ended: message.ended, learned: message.learned ?? model.learned });
   else Object.assign(model, { learned: message.learned, reading: message.reading, next: message.next });
   prepare_learned();
   recolour();

@@ -24,7 +24,7 @@ export function judge() {
   verdict.classList.toggle("idle", !c.errors || !is_open());
   if (!is_open()) say_words(state ? "No connection: the picture is the last that came." : "No connection, and no tissue yet.");
   else if (!state) say_words("Waiting for the tissue.");
-  else if (c.why === "idle" && status_of(0) > 0) say_words(no_force[status_of(0)]);
+  else if (c.why === "idle" && without_force()) say_words(without_force());
   else if (c.why === "idle")
     say_words(away_from_rest() || `Nothing touches the tissue. ${is_solid() ? "Press a solid" : "Drag into a mesh"}, or let the demo press.`);
   else if (c.there)
@@ -48,6 +48,12 @@ const no_force = [
   "No force: the tissue is folded. Reset puts it to rest.",
   "No force: the tissue came apart and was put to rest. Lead the tool out.",
 ];
+
+/** The same of the first tool that has a reason; "" where none has. */
+function without_force() {
+  const tool = [0, 1].find(k => k < model.tools && status_of(k) > 0);
+  return tool === undefined ? "" : model.tools > 1 ? no_force[status_of(tool)].replace("No force", `No force on the ${tool === 0 ? "first" : "second"} tool`) : no_force[status_of(tool)];
+}
 
 /** Why there is no number for a mesh: what is true of it. */
 const reasons = {
@@ -109,7 +115,7 @@ export function speak(c) {
     : `${model.tools > 1 ? "First tool: force" : "Force"} ${newtons(norm(vector(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh ${depth(m)} deep` +
       (c.errors && Number.isFinite(c.errors[m]) ? `, ${percent(Math.abs(c.errors[m]))} off finite elements` : "")).join("; ")}.`;
   const second = pressed_by(1) < 0 ? "" : `Second tool: force ${newtons(norm(vector_of(1, "force")))}, ${millimetres(norm(vector_of(1, "moved")))} deep.`;
-  const text = [first, second].filter(Boolean).join(" ") || "Nothing touches the tissue.";
+  const text = [first, second].filter(Boolean).join(" ") || without_force() || "Nothing touches the tissue.";
   if (text === spoken) return;
   say("spoken", spoken = text);
   $("depth_plot").setAttribute("aria-label", `Force against depth of both meshes and of finite elements. ${text}`);

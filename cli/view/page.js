@@ -36,6 +36,7 @@ const one_mesh = {
   title: "One force on one mesh",
   lead: "Press the tissue, which was learned from finite elements: its force, depth and shape stand beside theirs where they solved the push.",
 };
+const one_mesh_without_curves = { ...one_mesh, lead: "Press the tissue, which was learned from finite elements. This model carries none of their curves to compare with." };
 const learning = {
   title: "Learning while touching",
   lead: "The tool touches two tissues at once: this one, trained on finite elements, and another that stays hidden. Whenever the hand holds still, " +
@@ -51,7 +52,7 @@ function show_model(message) {
   take_model(message);
   group_places();
   prepare_learned();
-  const heading = model.learns ? learning : model.tools > 1 ? two_tools : model.meshes.length < 2 ? one_mesh : model.strongest_N > 0 ? two_meshes : without_curves;
+  const heading = model.learns ? learning : model.tools > 1 ? two_tools : model.meshes.length < 2 ? (model.strongest_N > 0 ? one_mesh : one_mesh_without_curves) : model.strongest_N > 0 ? two_meshes : without_curves;
   for (const id of ["title", "lead"]) say(id, heading[id]);
   show_stage();
   $("spring_set").parentElement.hidden = model.law;

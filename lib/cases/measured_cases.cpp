@@ -41,14 +41,14 @@ double arc_of(const MeasuredTable& table, const MeasuredRow& row, const Outline&
     if (!(off <= tolerance_m))
         refuse(table, row, fmt::format("columns 'contact_x', 'contact_y': ({:g}, {:g}) m is {} off the free "
                                        "surface; allowed: {:g} mm", row.contact_m.x(), row.contact_m.y(),
-                                       off < 1 ? fmt::format("{:.3g} mm", 1e3 * off) : fmt::format("{:.3g} m", off), 1e3 * tolerance_m));
+                                       length_text(off), 1e3 * tolerance_m));
     if (arc < apart_m || arc > outline.length() - apart_m)
         refuse(table, row, "columns 'contact_x', 'contact_y': the contact is within 2 mm of the fixed edge");
     if (std::abs(outline.angle(arc, row.displacement_m)) >= 90 * degree)
         refuse(table, row, "columns 'displacement_x', 'displacement_y': point out of the tissue");
     if (row.displacement_m.norm() > size_m)
-        refuse(table, row, fmt::format("columns 'displacement_x', 'displacement_y': push by {:.3g} mm, and the tissue is {:.3g} mm long",
-                                       1e3 * row.displacement_m.norm(), 1e3 * size_m));
+        refuse(table, row, fmt::format("columns 'displacement_x', 'displacement_y': push by {}, and the tissue is {} long",
+                                       length_text(row.displacement_m.norm()), length_text(size_m)));
     if (!(row.force_N.dot(row.displacement_m) > 0))
         refuse(table, row, "columns 'force_x', 'force_y': the force is against the push; wanted is the indenter's "
                            "force on the tissue");

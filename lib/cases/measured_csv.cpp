@@ -55,4 +55,6 @@ MeasuredTable read_measured_csv(const std::string& file) {
     return table;
 }
 
+std::string length_text(double length_m) { return length_m < 1 ? fmt::format("{:.3g} mm", 1e3 * length_m) : fmt::format("{:.3g} m", length_m); }
+
 }  // namespace tissue

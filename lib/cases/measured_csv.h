@@ -26,4 +26,7 @@ struct MeasuredTable {
 /// or not one of its kind, a field that is no finite number, a displacement or a force of zero, a row that stands twice.
 MeasuredTable read_measured_csv(const std::string& file);
 
+/// "2.5 mm", from a metre on "2.5 m".
+std::string length_text(double length_m);
+
 }  // namespace tissue

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "cases/measured_csv.h"
 #include "cases/study_mesh.h"
 #include "error.h"
 #include "gsl.h"
@@ -86,7 +87,7 @@ std::vector<Rows> read_rows(const std::string& file) {
 
 History history_of(const std::string& file, const Rows& h, const Outline& outline, double tolerance_m, double size_m) {
     const double arc = outline.arc_of(h.contact_m), off = (outline.position(arc) - h.contact_m).norm();
-    if (!(off <= tolerance_m)) refuse(file, h, fmt::format("has a contact {:.3g} mm off the free surface; allowed: {:g} mm", 1e3 * off, 1e3 * tolerance_m));
+    if (!(off <= tolerance_m)) refuse(file, h, fmt::format("has a contact {} off the free surface; allowed: {:g} mm", length_text(off), 1e3 * tolerance_m));
     if (arc < apart_m || arc > outline.length() - apart_m) refuse(file, h, "has a contact within 2 mm of the fixed edge");
     if (h.rows.size() < least_rows) refuse(file, h, fmt::format("has {} rows, {} are the least", h.rows.size(), least_rows));
     History out;
@@ -109,7 +110,7 @@ History history_of(const std::string& file, const Rows& h, const Outline& outlin
     Eigen::Index deepest = 0;
     const double depth_m = out.push_m.rowwise().norm().maxCoeff(&deepest);
     if (!(depth_m > 0) || !(out.force_N.squaredNorm() > 0)) refuse(file, h, "has no push, or no force");
-    if (depth_m > size_m) refuse(file, h, fmt::format("pushes by {:.3g} mm, and the tissue is {:.3g} mm long", 1e3 * depth_m, 1e3 * size_m));
+    if (depth_m > size_m) refuse(file, h, fmt::format("pushes by {}, and the tissue is {} long", length_text(depth_m), length_text(size_m)));
     if (!(out.push_m.row(0).norm() <= at_rest * depth_m)) refuse(file, h, fmt::format("begins {:.3g} mm in the tissue: it must begin at rest", 1e3 * out.push_m.row(0).norm()));
     out.push_m.row(0).setZero();
     out.direction = out.push_m.row(deepest).transpose().normalized();

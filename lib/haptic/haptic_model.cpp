@@ -115,6 +115,8 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
 }  // namespace
 
 void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt_s, const HapticMesh& mesh) {
+    if (!(device.mass_kg > 0) && (device.damping_Ns_m > 0 || std::isfinite(device.rate_Hz)))
+        throw MismatchError("device-damping and device-rate belong to a device-mass, which comes first: without one nothing is judged by them");
     const double scale = map.force_scale * map.scale;
     const auto refuse = [&](double tissue_N_m, const char* when, double limit_N_m, auto whose) {
         const double most = map.force_scale * limit_N_m / (scale * tissue_N_m);
@@ -211,8 +213,6 @@ ToolChoice tool_of(const TissueModel& model, ToolChoice asked) {
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     : study(model.study), tool(tool_of(model, given.tool)), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
     check_options(given);
-    if (!(given.device.mass_kg > 0) && (given.device.damping_Ns_m > 0 || std::isfinite(given.device.rate_Hz)))
-        throw MismatchError("device-damping and device-rate belong to a device-mass: without one nothing is judged by them");
     if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
     if (given.tools > 1 && (!model.energy_law || given.heuristic_mesh))
         throw MismatchError(!model.energy_law ? "two tools press an energy model alone, and this one has spring sets" : "two tools press the learned mesh alone, without the heuristic mesh beside it");

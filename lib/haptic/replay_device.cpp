@@ -21,6 +21,7 @@ const DeviceKind ReplayDevice::kind = {
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
         auto device = std::make_unique<ReplayDevice>(v.at("trajectory"), c.tool);
         if (c.rest && c.rest->is_solid() && !device->has_z()) throw DeviceError(v.at("trajectory") + ": has no column z_m, and the tissue is in space");
+        if (c.rest && c.rest->is_solid() && !device->has_fz()) throw DeviceError(v.at("trajectory") + ": has forces without a column fz_N, and the tissue is in space");
         return device;
     },
     {}, 0, true, true};
@@ -59,6 +60,7 @@ void ReplayDevice::read_csv(const std::string& file) {
         if (reference) reference_N_.push_back({value[4], value[5], value[6]});
     }
     has_z_ = column[3] >= 0;
+    has_fz_ = !reference || column[6] >= 0;
 }
 
 void ReplayDevice::read_recording(const std::string& file, int tool) {

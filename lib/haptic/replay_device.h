@@ -26,6 +26,7 @@ class ReplayDevice final : public Device {
     std::vector<std::pair<std::string, double>> statistics() const override;
 
     bool has_z() const { return has_z_; }  ///< else z is 0
+    bool has_fz() const { return has_fz_; }  ///< or there are no forces
     std::size_t size() const { return time_s_.size(); }
 
    private:
@@ -38,7 +39,7 @@ class ReplayDevice final : public Device {
     std::vector<Eigen::Vector3d> position_m_, reference_N_;  ///< reference empty when the file has none
     std::vector<bool> reset_;  ///< before a row; empty when the file does not say
     std::size_t next_ = 1, passed_ = 0;  ///< row ahead, and rows whose reset has been told
-    bool has_z_ = true;
+    bool has_z_ = true, has_fz_ = true;
     double share_ = 0;       ///< between next_ - 1 and next_
     bool finished_ = false, answered_ = true;  ///< a force has come for the position read last: write() after read() is compared once, the zero at a session's end is not
     double squared_error_ = 0, squared_reference_ = 0, largest_error_ = 0;

@@ -124,7 +124,7 @@ const std::vector<SessionOption>& session_options() {
          "0 0 1.5708 takes the device's x to its y. Default: none."},
         {"device-mass", "kg", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.mass_kg; }, "apparent mass of the device at its tool, nobody holding it; 0: not known",
          "A tissue that no hand could hold still on a device of this mass is refused, with the largest force-scale that is possible; it is judged at dt, which a host that ticks more slowly states as its own. A Touch has 0.045 kg, and tissue-haptic knows it, as it does that its force answers a position one servo period late. Of positions that are older than they say, or older than half of dt where the device is not known, nothing is promised. Without a mass nothing is refused, and nothing promised."},
-        {"device-damping", "Ns/m", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.damping_Ns_m; }, "viscous damping of the device itself, beside device-mass",
+        {"device-damping", "Ns/m", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.damping_Ns_m; }, "viscous damping of the device itself; device-mass is set first",
          "It makes a stiffer tissue possible. Data sheets seldom have it; 0 relies on none."},
         {"device-stiffness", "N/m", {0, inf, false, true}, everywhere | live, [](O& o) -> auto& { return o.device.stiffness_N_m; }, "largest stiffness that the device can show; inf: not known",
          "A tissue that is stiffer at rest is refused, with the largest force-scale that is possible. A Touch has 1020 N/m on its softest axis."},

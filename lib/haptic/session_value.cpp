@@ -20,6 +20,7 @@ Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
     std::vector<std::byte> state(other.state_size());
     other.save(state.data());
     restore(state.data(), state.size());
+    for (std::size_t k = 0; k < tools_.size(); ++k) tools_[k].contacts = other.tools_[k].contacts;
     begun_ = other.begun_;
     followed_ = other.followed_;
 }
@@ -94,6 +95,7 @@ void Simulation::restore(const std::byte* from, std::size_t size) {
         t.options.safety = own[k];
         t.show_no_more(on_law(t));
     }
+    for (ToolState& t : tools_) ++t.contacts;
     begun_ = begun || counters_.ticks > 0;
     ++restores_;
 }

@@ -251,7 +251,7 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
             continue;
         }
         if (!t.armed) t.record.status = TickStatus::not_armed;
-        if (t.contact.pressing) slide(t);
+        if (t.contact.pressing) slide(t, t.record.master_m);
         if (t.taken_over) t.slid_m.setZero();  // as far as the hand has gone since it was followed, at once: no speed of the contact
     }
     if (folded) ++counters_.folded;

@@ -63,7 +63,7 @@ struct HapticModel {
     bool is_solid() const { return rest.is_solid(); }
 };
 
-/// Both limits are on what the device feels: newtons and metres of its own. Throws MismatchError for a mesh that is too stiff for the device; allocates for that alone.
+/// Both limits are on what the device feels: newtons and metres of its own. Throws MismatchError for a mesh that is too stiff for the device, and for a damping or a rate without a mass; allocates for that alone.
 void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt_s, const HapticMesh& mesh);
 
 struct HapticCounters {
@@ -109,8 +109,8 @@ class Simulation {
     /// After follow(), between two ticks: the hand, its force, its device's limits and impedance, the energy that it was given and counts are those of `from`. What forces differ by fades within some tenths of a second; the
     /// tissue's own energies are of this session. Allocates nothing.
     void take_over(const Simulation& from) noexcept;
-    /// Throws MismatchError where take_over() must not be called: for another number of axes, where the device of `from` cannot show this tissue at the force-scale that it has by now, and where it lets go of a force too
-    /// soon for this session's dt. Allocates where it throws alone.
+    /// Throws MismatchError where take_over() must not be called: for another number of axes, where the device of `from` cannot show this tissue at the force-scale that it has by now, where it lets go of a force too
+    /// soon for this session's dt, and where a tool of `from` has begun another contact, or was restored, since it was followed. Allocates where it throws alone.
     void check_take_over(const Simulation& from) const;
 
     /// One step of Sec. 4: device position in, device force out [N]. elapsed_s: since the last tick, an hour at most; 0 means dt; negative or not
@@ -192,7 +192,7 @@ class Simulation {
     bool put_to_rest() noexcept;
     bool find_contact(ToolState& t) noexcept;
     void begin_contact(ToolState& t, int mesh) noexcept;
-    void slide(ToolState& t) noexcept;
+    void slide(ToolState& t, const Point& master_m) noexcept;
     void lay_tool(ToolState& t, const Point& push_m) noexcept;
     void hold_tool(ToolState& t) noexcept;
     bool tool_pushes(const ToolState& t, const Point& tool_m) const noexcept;
@@ -206,7 +206,7 @@ class Simulation {
     void advance_mesh(std::size_t mesh) noexcept;
     void record_contact(ToolState& t) noexcept;
     ContactLoad load_of(ToolState& t, std::size_t mesh) noexcept;
-    void remember_contact(ToolState& t, int steps) noexcept;
+    void remember_contact(ToolState& t, const Point& tool_m, int steps) noexcept;
 
     const HapticModel& model_;
     std::vector<std::unique_ptr<RealtimeLaw>> laws_;  ///< of the meshes that have one

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tissue {
 
@@ -87,14 +88,17 @@ bool Simulation::tool_pushes(const ToolState& t, const Point& tool_m) const noex
 /// A law's contact keeps its place, and presses while it pushes the tool out. The surface does not say whether:
 /// the patch's spline is smoother, and the tool may lie on either side of it. Contact ends when the patch does not push and the
 /// tool is out of the surface, or when it is farther out of it than the surface's nodes lie apart, which no patch explains. Where ticks come less often than dt, tissue that
-/// swings is out of reach at one and back before the next, and contact does not end while the tool is deeper than where it touched the tissue at rest: begun anew at each tick it would be pumped up.
+/// swings is out of reach at one and back before the next, and contact does not end for one swing while the tool is deeper than where it touched the tissue at rest, and no farther along it: begun anew
+/// at each tick it would be pumped up.
 void Simulation::hold_tool(ToolState& t) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     const MovingSurface& surface = *surfaces_[m];
     const Point& master_m = t.record.master_m;
     if (laws_[0]->contact_grows()) lay_tool(t, t.spring.shown_push(push_of(t, t.at_the_end(master_m, period_s_), m), states_[m].displacement));
     t.contact.pressing = tool_pushes(t, t.at_the_end(master_m, period_s_));
-    const bool waits = !t.contact.pressing && period_s_ > 1.5 * model_.options.dt_s && push_of(t, master_m, m).dot(t.spring.inward()) > 0;
+    const Point push = push_of(t, master_m, m);
+    const double in_m = push.dot(t.spring.inward()), swing_s = 1 / std::max(model_.meshes[m]->lowest_frequency_Hz, 1.0);
+    const bool waits = !t.contact.pressing && period_s_ > 1.5 * model_.options.dt_s && t.untouched_s < swing_s && in_m > (push - in_m * t.spring.inward()).norm();
     if (!surface.contains(master_m) &&
         ((!t.contact.pressing && !waits) || surface.nearest(master_m).distance_m > laws_[m]->spacing_m())) {
         t.contact.contact = t.contact.pressing = false;
@@ -106,11 +110,11 @@ void Simulation::hold_tool(ToolState& t) noexcept {
     t.contact.proxy_m = t.contact.where.position_m;
 }
 
-void Simulation::slide(ToolState& t) noexcept {
+/// The contact goes along where the tool at a place leaves the cone of friction.
+void Simulation::slide(ToolState& t, const Point& master_m) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     const HapticMesh& mesh = *model_.meshes[m];
     const MovingSurface& now = *surfaces_[m];
-    const Point& master_m = t.record.master_m;
     t.slid_m -= mesh.law ? t.touched_m : Point(t.contact.where.position_m);
     if (mesh.law) {
         t.friction.slide(model_.surface, mesh.springs, *laws_[0], states_[m].displacement, master_m - mesh.place_m, t.contact.where, t.touched_m, t.spring,
@@ -122,7 +126,7 @@ void Simulation::slide(ToolState& t) noexcept {
     }
     t.slid_m += mesh.law ? t.touched_m : Point(t.contact.where.position_m);
     t.contact.proxy_m = t.contact.where.position_m;
-    t.record.slipping = t.friction.slipping();
+    t.record.slipping = t.record.slipping || t.friction.slipping();
 }
 
 /// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.
@@ -219,15 +223,13 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
         return;
     }
     Point course_m_s[most_tools];
-    bool held = false;
+    bool held = false, slid[most_tools] = {};  // a tool that pressed as the tick began has been asked for its place
     for (std::size_t k = 0; k < tools_.size(); ++k) {
         ToolState& t = tools_[k];
         if (!t.contact.contact || !holds(t)) continue;
         held = true;
+        slid[k] = t.contact.pressing;
         course_m_s[k] = (t.at_the_end(t.record.master_m, period_s_) - t.at_m) / (steps * h);
-        if (!t.contact.pressing) continue;
-        t.slide_m_s = t.slid_m / (steps * h);
-        t.slid_m.setZero();
     }
     const bool asks = held && mesh.law && steps >= 2 * mesh.substeps;
     const int of_last = std::clamp(static_cast<int>(std::lround(period_s_ / h)), 1, steps), most = asks ? mesh.substeps : steps;
@@ -237,34 +239,43 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
     for (int done = 0; done < steps;) {
         const int n = std::min(most, steps - done), last = std::clamp(of_last - (steps - done - n), 0, n);
         ContactLoads loads;
-        std::size_t of[most_tools];  // whose load it is
+        int of[most_tools] = {-1, -1};  // which tool a load holds; none where the mesh gets its force alone
+        Point on_m[most_tools];
         for (std::size_t k = 0; k < tools_.size(); ++k) {
             ToolState& t = tools_[k];
             if (!t.contact.contact) continue;
-            const Point on_m = holds(t) ? Point(t.at_m + n * h * course_m_s[k]) : Point();
-            if (asks && holds(t)) t.contact.pressing = tool_pushes(t, on_m - (done + n) * h * t.slide_m_s);
-            if (t.contact.pressing) {
-                of[loads.count] = k;
-                ContactLoad& load = loads.load[loads.count++] = load_of(t, m);
-                if (holds(t)) {  // a place that goes along with the tool is neither stretched nor damped by that
-                    load.velocity_m_s = course_m_s[k] - t.slide_m_s;
-                    if (done > 0) *load.push_m -= done * h * t.slide_m_s;
-                }
+            if (!holds(t)) {
+                if (t.record.mesh >= 0) loads.load[loads.count++] = load_of(t, m);
+                continue;
             }
-            if (holds(t)) t.at_m = on_m;
+            on_m[k] = t.at_m + n * h * course_m_s[k];
+            if (asks) t.contact.pressing = tool_pushes(t, on_m[k]);
+            if (t.contact.pressing) {
+                if (asks && !std::exchange(slid[k], false)) slide(t, t.at_m);
+                t.slide_m_s = t.slid_m / (n * h);
+                if (const double most_m_s = course_m_s[k].norm(), speed_m_s = t.slide_m_s.norm(); asks && speed_m_s > most_m_s) t.slide_m_s *= most_m_s / speed_m_s;  // it catches up at once, with no tool as fast
+                of[loads.count] = static_cast<int>(k);
+                ContactLoad& load = loads.load[loads.count++] = load_of(t, m);
+                load.velocity_m_s = course_m_s[k] - t.slide_m_s;  // a place that goes along with the tool is neither stretched nor damped by that
+            } else {
+                t.slide_m_s.setZero();
+            }
+            t.slid_m.setZero();
+            t.at_m = on_m[k];
         }
         Point mean_N[most_tools];
         dynamics_[m]->advance(state, loads, h, n, std::max(last, 1), mean_N);
         for (int k = 0; k < loads.count; ++k) {
+            if (of[k] < 0) continue;
             pressed[of[k]] = true;
             if (last > 0) sum_N[of[k]] += last * mean_N[k];
         }
-        for (ToolState& t : tools_)
-            if (t.contact.contact && !t.contact.pressing && holds(t)) remember_contact(t, n);
+        for (std::size_t k = 0; k < tools_.size(); ++k)
+            if (ToolState& t = tools_[k]; t.contact.contact && !t.contact.pressing && holds(t)) remember_contact(t, asks ? on_m[k] : t.record.master_m, n);
         done += n;
     }
     for (std::size_t k = 0; k < tools_.size(); ++k)
-        if (ToolState& t = tools_[k]; pressed[k] && holds(t)) {
+        if (ToolState& t = tools_[k]; pressed[k]) {
             record_contact(t);
             t.record.coupling_N = -sum_N[k] / of_last;
         }
@@ -300,10 +311,10 @@ void Simulation::step_meshes() noexcept {
 }
 
 /// A law's contact that does not press for a while forgets as time goes by: its gap goes on.
-void Simulation::remember_contact(ToolState& t, int steps) noexcept {
+void Simulation::remember_contact(ToolState& t, const Point& tool_m, int steps) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     if (t.memory[m].empty()) return;
-    for (int k = 0; k < steps; ++k) t.spring.remember(push_of(t, t.record.master_m, m), states_[m].displacement, t.memory[m]);
+    for (int k = 0; k < steps; ++k) t.spring.remember(push_of(t, tool_m, m), states_[m].displacement, t.memory[m]);
 }
 
 }  // namespace tissue

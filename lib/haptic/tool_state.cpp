@@ -17,7 +17,7 @@ void ToolState::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options.device;
     ToolSpring::Growth growth = spring.growth();
     state(options.map, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, device.rate_Hz, device.delay_s, safety, same_position_s, old_s, expected_s, stood_s, device_m, has_master,
-          clutched, taken_over, carried_N, contact, touched, coupling_N_m, memory, at_m, velocity_m_s, slid_m, slide_m_s, touched_m, friction, armed, contacts, unarmed, untouched_s, record, growth);
+          clutched, taken_over, carried_N, contact, touched, coupling_N_m, memory, at_m, velocity_m_s, slid_m, slide_m_s, touched_m, friction, armed, unarmed, untouched_s, record, growth);
     if (!state.reads()) return;
     options.friction = friction.options();
     options.safety = safety.options();
@@ -80,6 +80,7 @@ void ToolState::take_over(const ToolState& from, double period_s) noexcept {
     old_s = from.old_s;
     stood_s = from.stood_s;
     unarmed = from.unarmed;
+    contacts = from.contacts;
     at_m = at_the_end(record.master_m, period_s) - period_s * velocity_m_s;
     taken_over = true;
     friction.become(options.friction = from.options.friction);

@@ -99,7 +99,7 @@ struct ToolState {
     Point touched_m;              ///< X_p of this contact, in the mesh's own coordinates
     Friction friction;
     bool armed = false;           ///< the master has been outside
-    long long contacts = 0;       ///< that it has begun
+    long long contacts = 0;       ///< that it has begun; in no state, since what is restored is another one
     long long unarmed = 0;        ///< ticks in which it was inside tissue and had not been outside
     double untouched_s = 0;       ///< since this tool or its force was on the meshes
     TickRecord record;

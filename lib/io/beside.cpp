@@ -71,6 +71,7 @@ void remove_left_over(const FilePlace& place) {
         if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor, LOCK_EX) && is_open_as(descriptor, place.folder, name)) {
             if (S_ISREG(status.st_mode)) ::unlinkat(place.folder.descriptor(), name.c_str(), 0);
             if (S_ISDIR(status.st_mode) && made_here(descriptor, name)) remove_open_folder(descriptor, place.folder, name);
+            if (S_ISDIR(status.st_mode)) ::unlinkat(place.folder.descriptor(), name.c_str(), AT_REMOVEDIR);  // an empty one is nobody's loss
         }
         ::close(descriptor);
     }
@@ -101,8 +102,12 @@ Beside make_beside(const std::string& named, Kind kind) {
         if (descriptor < 0) throw FileError(fmt::format("{}: cannot write: {}", named, std::strerror(errno)));
         // shared: the file has its final name a moment before it is closed, and HDF5 opens no file that is locked exclusively
         const bool ours = locked(descriptor, LOCK_SH) || errno != EWOULDBLOCK;  // some network disks have no locks
-        if (ours && is_open_as(descriptor, place.folder, name) && (kind == Kind::file || mark(descriptor, name))) return {std::move(place.folder), place.name, name, descriptor};
+        const bool is_here = ours && is_open_as(descriptor, place.folder, name);
+        if (is_here && (kind == Kind::file || mark(descriptor, name))) return {std::move(place.folder), place.name, name, descriptor};
+        const int cause = errno;
         ::close(descriptor);
+        if (kind == Kind::folder) ::unlinkat(place.folder.descriptor(), name.c_str(), AT_REMOVEDIR);
+        if (is_here) throw FileError(fmt::format("{}: cannot write: {}", named, std::strerror(cause)));
     }
     throw FileError(named + ": cannot write: no name beside it is free");
 }

@@ -64,9 +64,14 @@ class Lines {
 };
 
 template <typename Elements>
-void name_by_number(const Elements& elements, std::map<int, std::string>& names) {
-    for (const auto& e : elements)
-        if (e.physical != 0) names.emplace(e.physical, std::to_string(e.physical));
+void name_by_number(const std::string& file, const Elements& elements, std::map<int, std::string>& names) {
+    for (const auto& e : elements) {
+        if (e.physical == 0 || names.count(e.physical) > 0) continue;
+        const std::string number = std::to_string(e.physical);
+        if (std::any_of(names.begin(), names.end(), [&](const auto& named) { return named.second == number; }))
+            throw FileError(fmt::format("{0}: its group {1} has no name, and another group is called '{1}': give every group a name", file, number));
+        names.emplace(e.physical, number);
+    }
 }
 
 }  // namespace
@@ -160,9 +165,9 @@ MshFile read_msh(const std::string& file, bool in_space, const std::string& name
         }
     }
     if (!elements) throw FileError(mesh.file + ": breaks off: it has no $Elements");
-    name_by_number(mesh.lines, mesh.line_names);
-    name_by_number(mesh.triangles, mesh.triangle_names);
-    name_by_number(mesh.tetrahedra, mesh.tetrahedron_names);
+    name_by_number(mesh.file, mesh.lines, mesh.line_names);
+    name_by_number(mesh.file, mesh.triangles, mesh.triangle_names);
+    name_by_number(mesh.file, mesh.tetrahedra, mesh.tetrahedron_names);
     return mesh;
 }
 

@@ -231,6 +231,9 @@ WrittenStudy new_study(const NewStudy& wanted) {
             throw MismatchError(fmt::format("{}: --size {:g} m is more than half of its shortest side, {:.3g} mm", wanted.shape, *wanted.size_m, 1e3 * size.shortest));
         if (*wanted.size_m < size.longest / most_along)
             throw MismatchError(fmt::format("{}: --size {:g} m is less than a hundredth of its longest side, {:.3g} mm: springs would be too many", wanted.shape, *wanted.size_m, 1e3 * size.longest));
+        constexpr double most_cubes = 1e5;  // as when it is meshed (cases/shape_checks.h)
+        if (const double cubes = std::pow(size.mean / *wanted.size_m, 3); shape.solid && cubes > most_cubes)
+            throw MismatchError(fmt::format("{}: --size {:g} m makes {:.2g} cubes, at most {:g} are possible", wanted.shape, *wanted.size_m, cubes, most_cubes));
     }
     const double spring_m = spring_length(shape, wanted, size);
     WrittenStudy study = (shape.solid ? solid_study : plane_study)(shape, wanted, size, spring_m);

@@ -161,8 +161,15 @@ ShapeExtent msh_extent(const std::string& text, const std::string& file) {
             if (dimension == boundary + 1) add_name(shape.regions, match[3]), regions.erase(std::stoi(match[2]));
         }
     }
-    for (const int group : curves) add_name(shape.boundaries, std::to_string(group));  // without a name they are called by it
-    for (const int group : regions) add_name(shape.regions, std::to_string(group));
+    const auto by_number = [&file](std::vector<std::string>& names, const std::set<int>& groups) {  // without a name they are called by it
+        for (const int group : groups) {
+            if (std::find(names.begin(), names.end(), std::to_string(group)) != names.end())
+                throw FileError(fmt::format("{0}: its group {1} has no name, and another group is called '{1}': give every group a name", file, group));
+            names.push_back(std::to_string(group));
+        }
+    };
+    by_number(shape.boundaries, curves);
+    by_number(shape.regions, regions);
     return shape;
 }
 

@@ -5,6 +5,7 @@ FIGURE is a module beside this file (contours, force, learning, springs, errors)
 import importlib
 import logging
 import sys
+from pathlib import Path
 
 # a home that cannot be written to is no news here
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
@@ -21,6 +22,8 @@ def main():
     if len(sys.argv) != 4:
         sys.exit("usage: draw.py FIGURE RESULTS OUT.png")
     name, folder, out = sys.argv[1:]
+    if not (Path(__file__).parent / f"{name}.py").is_file():
+        sys.exit(f"draw.py: there is no figure '{name}'")
     data = results.load(folder)
     figure = importlib.import_module(name).draw(data)
     save(figure, out)

@@ -81,10 +81,13 @@ def replaced(out):
     with file:
         try:
             yield f"/proc/{os.getpid()}/fd/{file.fileno()}"
-            os.fsync(file.fileno())  # its content is on the disk before its name
-            if not os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
-                raise OSError(errno.ESTALE, "cannot write: another program has taken the file away that was made beside it", out)
-            os.replace(beside, out)
+            try:
+                os.fsync(file.fileno())  # its content is on the disk before its name
+                if not os.path.lexists(beside) or not os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
+                    raise OSError(errno.ESTALE, "cannot write: another program has taken the file away that was made beside it")
+                os.replace(beside, out)
+            except OSError as error:  # the user knows no drawn name
+                raise OSError(error.errno, error.strerror, out) from None
         except BaseException:
             with contextlib.suppress(OSError):
                 os.unlink(beside)

@@ -6,9 +6,12 @@ import h5py
 from one_line import reading
 
 
-def refuse_foreign(group, above=()):
-    """Links of any kind but hard ones, values that another file holds, and groups within themselves."""
-    above = (*above, h5py.h5o.get_info(group.id).addr)
+def refuse_foreign(group, seen):
+    """Links of any kind but hard ones, values that another file holds, and groups of more than one name: within themselves, or again and again."""
+    address = h5py.h5o.get_info(group.id).addr
+    if address in seen:
+        raise ValueError(f"{group.name}: is a group that has another name, too")
+    seen.add(address)
     for name in group:
         place = f"{group.name.rstrip('/')}/{name}"
         if not isinstance(group.get(name, getlink=True), h5py.HardLink):
@@ -17,13 +20,11 @@ def refuse_foreign(group, above=()):
         if isinstance(item, h5py.Dataset) and (item.external or item.is_virtual):
             raise ValueError(f"{place}: has its values in another file, which is not followed")
         if isinstance(item, h5py.Group):
-            if h5py.h5o.get_info(item.id).addr in above:
-                raise ValueError(f"{place}: is a group within itself")
-            refuse_foreign(item, above)
+            refuse_foreign(item, seen)
 
 
 @contextlib.contextmanager
 def stored(file):
     with reading(file), h5py.File(file) as content:
-        refuse_foreign(content)
+        refuse_foreign(content, set())
         yield content

@@ -44,6 +44,17 @@ Course read(const std::string& text) {
 
 }  // namespace
 
+TEST_CASE("a course is read as people write it", "[histories]") {
+    const std::string plain = "time_s,x_m,y_m\n0,0,0\n0.1,0,-0.003\n0.2,0,-0.004\n";
+    const Course course = read(plain);
+    for (const std::string& text : {std::string("\xef\xbb\xbf") + plain, std::string("# by hand\n\"time_s\"; x_m ;y_m\r\n0;0;0\r\n\r\n0.1;0; -0.003 \r\n0.2;+0;-0.004\r\n\r\n")}) {
+        const Course other = read(text);
+        CHECK(other.time_s == course.time_s);
+        CHECK(other.push_m == course.push_m);
+    }
+    CHECK_THAT(said("time_s,x_m\n0,0\n"), Contains("hand.csv:1: must begin with the header time_s,x_m,y_m"));
+}
+
 TEST_CASE("a stroke begins and ends without velocity or acceleration, and never goes back", "[histories]") {
     CHECK(minimum_jerk(0) == 0);
     CHECK(minimum_jerk(1) == Approx(1).epsilon(tolerance::rounding));

@@ -45,6 +45,19 @@ TEST_CASE("a factor of a thousand in force or displacement is doubted, whichever
     }
 }
 
+TEST_CASE("a factor of a thousand in measured histories is doubted too", "[measured]") {
+    History history;
+    history.time_s = Eigen::Vector3d(0, 0.1, 0.2);
+    history.push_m = NodeField::Zero(3, 2), history.force_N = history.push_m;
+    history.push_m(1, 1) = history.push_m(2, 1) = -0.005;
+    history.force_N = 0.5 * measured_study().modulus_N_m() * history.push_m;
+    CHECK(measured_doubts(measured_study(), {history}).empty());
+    history.force_N *= 1e-3;
+    REQUIRE(measured_doubts(measured_study(), {history}).size() == 1);
+    CHECK_THAT(measured_doubts(measured_study(), {history})[0], Contains("is a unit in the header wrong"));
+    CHECK(measured_doubts(measured_study(), std::vector<History>()).empty());
+}
+
 TEST_CASE("rows that contradict each other are named, the first three of many", "[measured]") {
     MeasuredTable table = sessions(2);
     for (MeasuredRow& row : table.rows) row.push.clear();

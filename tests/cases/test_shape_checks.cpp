@@ -49,6 +49,20 @@ TEST_CASE("a shape whose unit is another than the study says is refused before i
     Study mesh = shaped(1, 0);  // a .msh in space is divided at its surface, into finite elements
     mesh.sizes_m = {0.003, 0.013};
     CHECK_THAT(refusal<StudyError>([&] { refuse_wrong_unit(mesh, box(120, 90, 55)); }), Contains("mesh.sizes_m = 0.013 m"));
+    CHECK_THAT(said(0.001, 0.0001, box(120, 90, 0)), !Contains("millimetres"));  // it is already
+    Study plane = shaped(1, 0);  // a .msh in the plane says no size: the tool does
+    plane.sizes_m = {0, 0};
+    plane.indenter.half_width_m = 0.010;
+    CHECK_THAT(refusal<StudyError>([&] { refuse_wrong_unit(plane, box(120, 90, 0)); }), Contains("more than 1000 times indenter.half_width_m = 0.01 m") && Contains("in millimetres?"));
+    plane.geometry.unit_m = 0.001;
+    CHECK_NOTHROW(refuse_wrong_unit(plane, box(120, 90, 0)));
+    Study block;
+    block.file = "block.toml";
+    block.geometry.width_m = 100, block.geometry.height_m = 80;
+    block.loads.magnitudes_m = {0.004, 0.01};
+    CHECK_THAT(refusal<StudyError>([&] { refuse_wrong_unit(block); }), Contains("block.toml: key 'geometry.width_m'") && Contains("in millimetres?"));
+    block.geometry.width_m = 0.1, block.geometry.height_m = 0.08;
+    CHECK_NOTHROW(refuse_wrong_unit(block));
 }
 
 TEST_CASE("a contour much finer than the springs that are asked for is told", "[shape_checks]") {

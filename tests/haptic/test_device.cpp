@@ -181,6 +181,7 @@ TEST_CASE("a replayed table moves in straight lines between its rows, ends with 
     // as a spreadsheet writes it
     ReplayDevice sheet(folder.file("sheet.csv", "\xef\xbb\xbf\"time_s\"; x_m ;y_m\r\n# by hand\r\n0;+0.5; 0.25 \r\n\r\n1;0.5;0.5\r\n"));
     CHECK((sheet.read(0).position_m - Eigen::Vector3d(0.5, 0.25, 0)).norm() < 1e-15);
+    CHECK(ReplayDevice(folder.file("flat.csv", "time_s,x_m,y_m,z_m,fx_N,fy_N\n0,1,2,3,4,5\n")).has_fz() == false);
     CHECK((sheet.size() == 2 && !sheet.has_z() && replay.has_z()));
     CHECK(refused("time_s,x_m,y_m\n0,1,2\n0,1,2\n").find("ascend") != std::string::npos);
     CHECK(refused("time_s,x_m,y_m\n0,1\n").find("has 2 fields, the header has 3") != std::string::npos);

@@ -289,6 +289,55 @@ TEST_CASE("a hand that rests feels the same at a slow host as at 1 kHz, wherever
             }
 }
 
+TEST_CASE("a tool that lifts as it slips feels at a slow host what it does at 1 kHz", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 1;
+    options.friction.stick = 0.2;
+    const HapticModel model(law_example(), options);
+    const auto steepest = [&](double rate_Hz) {  // largest share of the force that goes along, in means over 20 ms
+        Simulation s(model);
+        DeviceSample sample;
+        double most = 0;
+        Point sum = Point::Zero(2);
+        double begin_s = 0;
+        for (double time = 0; time < 0.6; time += 1 / rate_Hz) {
+            const double deep_m = time < 0.2 ? 0.0035 * time / 0.2 : time < 0.4 ? 0.0035 : 0.0035 - 0.055 * (time - 0.4);
+            sample.position_m = {0.03 + 0.12 * std::max(0.0, time - 0.2), 0.1005 - deep_m, 0};
+            s.tick(sample, 1 / rate_Hz);
+            sum -= s.record().coupling_N / rate_Hz;
+            if (time - begin_s < 0.0199) continue;
+            if (time > 0.25 && sum.norm() > 0.02 * 0.1) most = std::max(most, std::abs(sum.x()) / sum.norm());
+            sum.setZero();
+            begin_s = time;
+        }
+        return most;
+    };
+    const double usual = steepest(1000);
+    for (const double rate_Hz : {50.0, 100.0, 200.0}) {
+        INFO(rate_Hz << " Hz");
+        CHECK(steepest(rate_Hz) < 1.5 * usual + 0.1);
+    }
+}
+
+TEST_CASE("a tool that has left a dent behind touches the tissue anew, at a slow host too", "[hand]") {
+    HapticOptions options = alone();
+    options.safety.hold_s = 1;
+    const HapticModel model(relaxing(law_example()), options);
+    for (const double rate_Hz : {1000.0, 200.0, 50.0}) {
+        Simulation s(model);
+        DeviceSample sample;
+        double most_N = 0;
+        for (double time = 0; time < 3; time += 1 / rate_Hz) {
+            const double deep_m = time < 0.3 ? 0.006 * time / 0.3 : time < 1.5 ? 0.006 : std::max(0.0005, 0.006 - 0.055 * (time - 1.5));
+            sample.position_m = {0.03 + std::clamp(0.03 * (time - 2), 0.0, 0.02), 0.1 - deep_m, 0};
+            s.tick(sample, 1 / rate_Hz);
+            if (time > 2.1 && s.record().mesh >= 0 && s.record().coupling_N.y() < 0) most_N = std::max(most_N, -s.record().coupling_N.y());  // pulls
+        }
+        INFO(rate_Hz << " Hz");
+        CHECK(most_N < 5e-3);
+    }
+}
+
 TEST_CASE("time that no tick can make up for is counted", "[hand]") {
     const HapticModel model(law_example(), alone());
     Simulation s(model);

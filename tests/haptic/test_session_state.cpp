@@ -452,6 +452,16 @@ TEST_CASE("a session takes over no contact that has begun since it was led there
     still.check_take_over(plays);  // outside: no contact to take over
     press(plays, -0.008, 0.004, 0.03);
     CHECK_THAT(refusal<MismatchError>([&] { beside.check_take_over(plays); }), Contains("has begun another contact since it was followed"));
+    // one that was taken over in between is the same contact, one that was restored is another
+    Simulation first(model), second(model), third(model);
+    first.follow(Simulation(plays)), second.follow(Simulation(plays)), third.follow(Simulation(plays));
+    first.take_over(plays);
+    first.tick(top(0.004, 0.03));
+    second.check_take_over(first);
+    std::vector<std::byte> state(plays.state_size());
+    plays.save(state.data());
+    plays.restore(state.data(), state.size());
+    CHECK_THROWS_AS(third.check_take_over(plays), MismatchError);
 }
 
 TEST_CASE("no state gives a session that has ticked other limits, or makes them changeable again", "[state]") {

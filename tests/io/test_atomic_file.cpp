@@ -207,6 +207,8 @@ TEST_CASE("a folder that another user gave a drawn name is not left over; one th
     write_files(folder.file("a.tissue-0123abcd.tmp"), {{"chapters/one.txt", "of the user's own"}});
     write_files(folder.file("a.tissue-89abcdef.tmp"), {{"a.tissue-89abcdef.tmp", ""}, {"half.csv", "of a killed one"}});
     write_file(folder.file("a"), "short");
+    std::filesystem::create_directory(folder.file("a.tissue-00000000.tmp"));  // empty, of a program that was killed as it made it
+    write_file(folder.file("a"), "shorter");
     CHECK(folder.names() == std::vector<std::string>{"a", "a.tissue-0123abcd.tmp"});
     CHECK(read_file(folder.file("a.tissue-0123abcd.tmp/chapters/one.txt")) == "of the user's own");
 }

@@ -30,6 +30,10 @@ check "a held-out poke that is none of the tissue is no reference, and no error 
 check "the model plays" "$TISSUE_HAPTIC" "$scratch/whole.h5" --seconds 0.2 --no-realtime
 check "info names what was learned" sh -c "'$TISSUECTL' info '$scratch/whole.h5' | grep -q adaptation/covariance"
 
+awk -F, -v OFS=, 'NR > 1 { for (k = 5; k <= NF; ++k) $k *= 1000 } 1' "$pokes" >"$scratch/millinewtons.csv"
+check "pokes in another unit are not believed" adapt "$model" --data "$scratch/millinewtons.csv" --out "$scratch/unit.h5"
+check "and a line asks for the unit" grep -q 'readings that were not believed are .* times the force expected: is a unit in the header wrong' "$scratch/log"
+
 # ---- going on: by the options that the file was begun with
 for option in "--noise 0.5" "--model-error 0.5" "--place-error 0.01" "--unknowns scale" "--no-rival"; do
     check "of a file that has learned, $option is refused" sh -c "! '$TISSUECTL' adapt '$scratch/whole.h5' --data '$pokes' --first 1 $option --out '$scratch/on.h5' 2>'$scratch/log'"

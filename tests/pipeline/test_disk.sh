@@ -76,6 +76,18 @@ with save.written(out) as first:
 assert open(own).read() == 'precious' and open(out).read() == 'first'
 assert sorted(os.listdir(folder)) == ['a.png', 'a.png.20251125.tmp', 'a.png.tissue-0123abcd.tmp', 'a.png.tmp', 'own'], os.listdir(folder)
 assert os.stat(out).st_mode & 0o777 == 0o664, oct(os.stat(out).st_mode)" "$scratch/planted"
+check "what the system refuses names the file that was asked for, and no drawn one" "$PYTHON" -c "import os, sys
+sys.path.insert(0, 'scripts/figures')
+import save
+out = sys.argv[1] + '/a.png'
+os.makedirs(out + '/not empty')
+try:
+    with save.replaced(out) as beside:
+        open(beside, 'w').write('drawn')
+except OSError as error:
+    assert error.filename == out and os.listdir(sys.argv[1]) == ['a.png'], (error, os.listdir(sys.argv[1]))
+else:
+    sys.exit('a folder was replaced')" "$scratch/in_place"
 check "a link that takes the place of what Python draws gets nothing, and nothing is drawn" "$PYTHON" -c "import os, sys
 sys.path.insert(0, 'scripts/figures')
 import save

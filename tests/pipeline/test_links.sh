@@ -56,6 +56,13 @@ rm -f "$R/mesh.msh"
 ln -s "$scratch/elsewhere" "$R/mesh.msh"
 run env -C "$work" TISSUECTL="$TISSUECTL" scripts/mesh results/tiny/mesh.msh fem/block.geo -2 -setnumber cells_x 4 -setnumber cells_y 4
 check "a mesh whose name leads to a folder takes the place of the link" test -f "$R/mesh.msh" -a ! -h "$R/mesh.msh"
+mkdir -p "$R/mesh.msh.tissue-abcdef.tmp/precious" "$R/mesh.msh.tissue-fedcba.tmp"
+: >"$R/mesh.msh.tissue-fedcba.tmp/mesh.msh.tissue-fedcba.tmp"
+: >"$R/mesh.msh.tissue-fedcba.tmp/half"
+run env -C "$work" TISSUECTL="$TISSUECTL" scripts/mesh results/tiny/mesh.msh fem/block.geo -2 -setnumber cells_x 4 -setnumber cells_y 4
+check "a folder that another user gave the name of a left-over one stays" exist "$R/mesh.msh.tissue-abcdef.tmp/precious"
+check "and one that was left over goes" absent "$R/mesh.msh.tissue-fedcba.tmp"
+rm -r "$R/mesh.msh.tissue-abcdef.tmp"
 check "and leaves what is in the folder" test "$(cat "$scratch/elsewhere"/*)" = precious
 rm "$scratch/elsewhere"/*
 

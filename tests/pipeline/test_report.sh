@@ -55,7 +55,8 @@ def virtual(f):
     layout[:] = h5py.VirtualSource(secret, 'x', (3,))
     f.create_virtual_dataset('x', layout)
 def within(f): f['group/again'] = f['group']
-for foreign, why in ((linked, 'is a link'), (soft, 'is a link'), (raw, 'values in another file'), (virtual, 'values in another file'), (within, 'within itself'), (None, '')):
+def twice(f): f['other'] = f['group']
+for foreign, why in ((linked, 'is a link'), (soft, 'is a link'), (raw, 'values in another file'), (virtual, 'values in another file'), (within, 'another name'), (twice, 'another name'), (None, '')):
     with h5py.File(file, 'w') as f:
         f['here'] = numpy.zeros(3)
         f.create_group('group')

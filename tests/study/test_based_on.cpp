@@ -51,6 +51,18 @@ TEST_CASE("another law over a base's takes the base's parameters away", "[based_
     CHECK(back.material.mu_Pa.empty());
 }
 
+TEST_CASE("a point over a base's patch has no width", "[based_on]") {
+    const TemporaryFolder folder;
+    const std::string text = over("surface-quick") + "[indenter]\nkind = \"point\"\n";
+    std::string why;
+    try {
+        read_study(folder.file("point.toml", text));
+    } catch (const StudyError& e) {
+        why = e.what();
+    }
+    CHECK_THAT(why, !Contains("half_width_m"));  // of the base
+}
+
 TEST_CASE("a study in space over one in the plane leaves its plane tables out, and the other way", "[based_on]") {
     const TemporaryFolder folder;
     const auto said = [&](const std::string& text) { return refusal<StudyError>([&] { read_study(folder.file("s.toml", text)); }); };

@@ -5,6 +5,7 @@
 #include "../example.h"
 #include "../refusal.h"
 #include "error.h"
+#include "mesh/msh_file.h"
 #include "study/new_study.h"
 #include "study/shape_extent.h"
 #include "study/study.h"
@@ -57,6 +58,17 @@ TEST_CASE("a shape's file says how large it is and which parts have names, in ev
     CHECK_FALSE(shape_extent(folder.file("c.geo", "SetFactory(\"OpenCASCADE\");\n" + std::string(outline))).low);
     CHECK(shape_extent(folder.file("d.geo", "Physical Volume(\"flesh\") = {1};\nPhysical Surface(\"bed\") = {2};\n")).boundaries == std::vector<std::string>{"bed"});
 
+    // groups without a name are called by their number
+    CHECK(shape_extent(folder.file("e.geo", "Physical Volume(7) = {1};\nPhysical Surface(\"bed\", 2) = {2};\nPhysical Surface( 3 ) = {3};\n")).boundaries == std::vector<std::string>{"bed", "3"});
+    const std::string whole = tetrahedron, nameless = whole.substr(0, whole.find("$Physical")) + whole.substr(whole.find("$Nodes"));
+    CHECK(shape_extent(folder.file("n.msh", nameless)).boundaries == std::vector<std::string>{"1"});
+    CHECK(shape_extent(folder.file("n.msh", nameless)).regions == std::vector<std::string>{"2"});
+    const std::string clash = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 4 \"1\"\n$EndPhysicalNames\n" + whole.substr(whole.find("$Nodes"));
+    CHECK_THAT(why_not(folder, "clash.msh", clash), Contains("its group 1 has no name, and another group is called '1': give every group a name"));
+    CHECK_THAT(refusal<FileError>([&] { read_msh(folder.file("clash.msh", clash), true); }), Contains("its group 1 has no name"));
+    std::string second = nameless;
+    second.replace(second.find("2 4 2 2 2"), 9, "2 11 2 2 2");
+    CHECK_THAT(why_not(folder, "second.msh", second), Contains("elements of the second order; save it with those of the first"));
     const ShapeExtent solid = shape_extent(folder.file("a.msh", tetrahedron));
     CHECK(solid.solid);
     CHECK(solid.boundaries == std::vector<std::string>{"bed"});
@@ -172,6 +184,12 @@ TEST_CASE("a new study is refused where nothing or something unknown is held, an
     CHECK_THAT(said(), Contains("gmsh alone knows how large it is; give the length of the springs"));
     wanted.size_m = 0.01;
     CHECK_THAT(new_study(wanted).toml, Contains("size_m = 0.01 "));
+    wanted.shape = folder.file("a.geo", outline);
+    wanted.size_m = 0.03;
+    CHECK_THAT(said(), Contains("a.geo: --size 0.03 m is more than half of its shortest side, 40.5 mm"));
+    wanted.size_m = 0.0001;
+    CHECK_THAT(said(), Contains("a.geo: --size 0.0001 m is less than a hundredth of its longest side, 90 mm"));
+    wanted.shape = folder.file("b.geo", std::string("SetFactory(\"OpenCASCADE\");\n") + outline);
     wanted.size_m.reset();
     wanted.shape = folder.file("c.stl", ascii_stl("", ""));
     wanted.held = {};
