@@ -22,8 +22,10 @@ void Lesson::end(const char* why) noexcept {
     std::cerr << "tissuectl serve: learning has ended, the session goes on without it: " << why << '\n';
     try {
         const std::lock_guard<std::mutex> lock(mutex_);
-        if (!news_) news_.emplace();  // what the last reading made of the model is still news where nobody has asked for it
-        news_->ended = why;
+        News news;
+        if (news_) news = std::move(*news_);  // what the last reading made of the model is still news where nobody has asked for it
+        news.ended = why;
+        news_ = std::move(news);
     } catch (...) {  // memory has run out: it is told already
     }
 }

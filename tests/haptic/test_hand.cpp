@@ -376,8 +376,9 @@ TEST_CASE("a tissue that is too stiff for a device is refused, with the numbers"
 
 TEST_CASE("a contact is stable on a device up to the stiffness that is said, and not far beyond", "[hand][long]") {
     constexpr double dt = 1e-3;
-    for (const auto& [damping, delay_s] : {std::pair(0.0, 0.0), std::pair(2.0, 0.0), std::pair(0.2, 1e-3), std::pair(2.0, 1e-3), std::pair(2.0, 1.6e-3)})
+    for (const std::pair<double, double>& given : {std::pair(0.0, 0.0), std::pair(2.0, 0.0), std::pair(0.2, 1e-3), std::pair(2.0, 1e-3), std::pair(2.0, 1.6e-3)})
         for (const double lead : {0.6, 0.75, 1.0}) {
+            const double damping = given.first, delay_s = given.second;
             DeviceImpedance device;
             device.mass_kg = 0.1;
             device.damping_Ns_m = damping;
