@@ -42,7 +42,7 @@ struct Kept {
 };
 const Kept kept_options[] = {
     {"--unknowns", [](AdaptOptions& to, const AdaptOptions& from) { to.unknowns = from.unknowns; }, [](const AdaptOptions& o) { return o.unknowns; }},
-    {"--no-rival", [](AdaptOptions& to, const AdaptOptions& from) { to.rival = from.rival; }, [](const AdaptOptions& o) { return std::string(o.rival ? "off" : "on"); }},
+    {"--no-rival", [](AdaptOptions& to, const AdaptOptions& from) { to.rival = from.rival; }, [](const AdaptOptions& o) { return std::string(o.rival ? "no" : "yes"); }},
     {"--noise", [](AdaptOptions& to, const AdaptOptions& from) { to.force_noise = from.force_noise; }, [](const AdaptOptions& o) { return fmt::format("{:g}", o.force_noise); }},
     {"--model-error", [](AdaptOptions& to, const AdaptOptions& from) { to.model_error = from.model_error; }, [](const AdaptOptions& o) { return fmt::format("{:g}", o.model_error); }},
     {"--place-error", [](AdaptOptions& to, const AdaptOptions& from) { to.place_error_m = from.place_error_m; }, [](const AdaptOptions& o) { return fmt::format("{:g}", o.place_error_m); }},
@@ -50,7 +50,7 @@ const Kept kept_options[] = {
 };
 
 /// The file as it goes on learning: by the options that it was begun with. Another value of one is refused; with --forget it applies.
-std::unique_ptr<Adaptation> to_go_on(const Options& o) {
+std::unique_ptr<Adaptation> continued(const Options& o) {
     std::unique_ptr<Adaptation> adaptation = read_adaptation(o.model, o.adapt);
     if (o.given.count("--readings") > 0 && adaptation->base().energy_law->relaxation.empty())
         throw MismatchError(o.model + ": does not relax; --readings is of tissue that does");
@@ -189,10 +189,11 @@ void run(const Options& o, Provenance provenance) {
         provenance.inputs[std::filesystem::path(o.data).filename().string()] = text_hash(text);
         read_once.str(std::move(text));
     }
-    const std::unique_ptr<Adaptation> adaptation = o.live ? live_adaptation(o.model) : to_go_on(o);
+    const std::unique_ptr<Adaptation> adaptation = o.live ? live_adaptation(o.model) : continued(o);
     if (o.live && o.forget) adaptation->forget();
     std::string kept = "adapt: learns with";
-    for (const Kept& k : kept_options) kept += fmt::format(" {}={}", k.option + 2, k.text(adaptation->options()));
+    for (const Kept& k : kept_options)
+        if (std::string(k.option) != "--readings" || !adaptation->base().energy_law->relaxation.empty()) kept += fmt::format(" {}={}", k.option + 2, k.text(adaptation->options()));
     std::cerr << kept << '\n';
     const int D = adaptation->base().mesh.dimension();
     Lines lines(o, D);
@@ -246,7 +247,7 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
     command->add_flag("--stream", o->stream, "learn from lines as they come: a bad one is refused and told, the model written after every poke");
     command->add_option("--held-out", o->held_out, "pokes to try it on after each, never to learn from")->type_name("FILE");
     command->add_option("--first", o->first, "learn from so many rows alone; 0: all")->type_name("count")->capture_default_str()->check(CLI::Range(0, 100000000));
-    command->add_flag("--forget", o->forget, "begin with the law as it was trained, by the options given and those that the file has");
+    command->add_flag("--forget", o->forget, "start again from the law as it was trained; options that are not given stay as the file has them");
     command->add_option("--next", o->next, "name so many places where to poke next, worth most first")->type_name("count")->capture_default_str()->check(CLI::Range(0, 1000));
     command->add_option("--next-depth", o->next_depth_m, "of those pushes")->type_name("m")->capture_default_str()->check(CLI::Range(1e-4, 0.1));
     command->add_option("--unknowns", o->adapt.unknowns, "what may be another: scale, terms, field or elements")->type_name("NAME")->capture_default_str()->check(CLI::IsMember(unknown_kinds()));

@@ -117,7 +117,7 @@ def main():
     missing = [name for name, answer in (("MuJoCo", mujoco), ("felupe", felupe)) if not answer]
     text = f"""# Beside other programs
 
-Written by `make peers`. The lattice of `{study}`, {' x '.join(map(str, counts))} nodes, the first {len(truth)} held-out contacts that finite elements solved ({lost} before them lost), the same pushes; all in one
+Written by `make peers`. The lattice of `{study}`, {' x '.join(map(str, counts))} nodes, the first {len(truth)} held-out contacts that finite elements solved (they lost {lost} before the last of these), the same pushes; all in one
 run, so that ratios mean something and microseconds little. Time: median / p95 (n), each tick and step by itself. Ratio: of medians, over the row of ours above. Error: |force - FE| / |FE|
 in per cent, median / p95 (n of N), FE being the study's own, on meshes that are finest at the disc (3 mm). None of the others was made to be right on springs of
 1 cm: what they show is what a lattice of this size is without having learned.

@@ -91,7 +91,7 @@ def text(value):
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-@functools.cache  # what is written meanwhile are records
+@functools.cache  # the records that are written change the checkout
 def commit():
     """The checkout's commit, with + where files differ from it; - where there is no git."""
     def git(*words):

@@ -39,19 +39,17 @@ RELAXING = {  # studies judged on histories, and what RESULTS.md calls them
 }
 SPACE_ROLES = ["held_out", "held_out_near", "held_out_sideways"]
 VAN_GELDER = "Van Gelder"
-SUMMARY = [  # README's rows: what it is, study, role, what stands beside it
-    ("the paper's spring sets", "paper", "trained", "heuristic_a", VAN_GELDER),
-    ("springs that turn", "paper-grid8-turning", "trained", "heuristic_a", VAN_GELDER),
-    ("one energy law, plane", "surface", "held_out", "heuristic_a_patch", VAN_GELDER),
-    ("a small one, for one's own tissue", "surface-quick", "held_out", "heuristic_a_patch", VAN_GELDER),
-    ("a section of an organ", "organ", "held_out", "heuristic_a_patch", VAN_GELDER),
-    ("a block in space", "block3", "held_out", "heuristic_a_patch", VAN_GELDER),
+SUMMARY = [  # README's rows: model, study, role, baseline
+    ("spring sets of the paper", "paper", "trained", "heuristic_a", VAN_GELDER),
+    ("energy model, block in the plane", "surface", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("energy model, section of an organ", "organ", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("energy model, block in space", "block3", "held_out", "heuristic_a_patch", VAN_GELDER),
     ("the same under discs of 4, 6 and 8.5 mm, trained at 3, 5, 7 and 10", "block3-tools", "held_out", "heuristic_a_patch", VAN_GELDER),
-    ("a nodule in it", "nodule3", "held_out", "heuristic_a_patch", VAN_GELDER),
-    ("an organ in space", "organ3", "held_out", "heuristic_a_patch", VAN_GELDER),
-    ("learned from noisy synthetic forces, in place of measured ones", "measured", "held_out", "repeat", "measured again"),
+    ("block with a stiff inclusion", "nodule3", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("organ in space", "organ3", "held_out", "heuristic_a_patch", VAN_GELDER),
+    ("trained on noisy synthetic forces, in place of measured ones", "measured", "held_out", "repeat", "a second measurement"),
 ]
-PATIENT = {"lump": "a synthetic target tissue with a lump", "layers": "a synthetic target tissue with layers and a lump"}  # of patient.md, in README
+PATIENT = {"lump": "adapted to a synthetic target tissue with an inclusion"}  # of patient.md, in README
 PATIENT_POKES = 20
 STUDIES = {
     "paper": "4-connected, `isotropic` (`paper`)",
@@ -143,7 +141,7 @@ def surface_table(e, sets):
         rows.append(f"| {name} | {roles_of(e, model)} |")
         if model == "untrained":
             rows.append(f"| spring sets, the nearest serves (`surface-sets`) | {roles_of(sets, 'learned')} |")
-    rows.append("| the truth's own error, finer mesh | " + three(e["truth_check"]) + " | | | |")
+    rows.append("| the reference, finer mesh | " + three(e["truth_check"]) + " | | | |")
     return rows
 
 
@@ -169,7 +167,7 @@ def space_table(evaluations):
         cells = [f"{three(drawn[role][model])} | {shape(drawn[role][model])}" if role in drawn else " | " for role in SPACE_ROLES]
         rows.append(f"| {name.format(numbers=len(training['terms']), paths=training['paths'])} | "
                     + (seconds(training.get('seconds')) if model == "learned" else "") + " | " + " | ".join(cells) + " |")
-    rows.append("| the truth's own error, finer mesh | | " + three(evaluations["block3"]["truth_check"]) + " | " * 6 + "|")
+    rows.append("| the reference, finer mesh | | " + three(evaluations["block3"]["truth_check"]) + " | " * 6 + "|")
     return rows
 
 
@@ -302,18 +300,18 @@ def patient_table(patients):
 
 
 def summary_table(evaluations, patients):
-    """README's: of each model force and shape, and what else there is, in closed loop, median / p95 (n of N, eval/statistics.h)."""
+    """README's: of each model the errors of force and displacement, and of its baseline, median / p95 (n of N, eval/statistics.h)."""
     def of_truth(statistics):
         return counted(two(statistics), statistics) if statistics else ""
 
-    rows = ["| what is learned | error of force | of shape | force of what stands beside it | the truth's own |", "|---|---|---|---|---|"]
+    rows = ["| model (study) | error of force | of displacement | baseline, its error of force | reference |", "|---|---|---|---|---|"]
     for name, study, role, other, called in SUMMARY:
         e = evaluations[study]
         models = e["closed_loop"][role]
         rows.append(f"| {name} (`{study}`) | {counted(two(models['learned']), models['learned'])} | {two(models['learned'].get('shape'))} | "
                     f"{called} {two(models[other])}{beside(models[other], models['learned'])} | {of_truth(e.get('truth_check'))} |")
     models = evaluations["relax"]["histories"]["groups"]["all"]
-    rows.append(f"| tissue that relaxes, in time (`relax`) | {counted(two(models['learned']['rms']), models['learned']['rms'])} |  | "
+    rows.append(f"| tissue that relaxes, over time (`relax`) | {counted(two(models['learned']['rms']), models['learned']['rms'])} |  | "
                 f"elastic, best factor {two(models['best_factor']['rms'])}{beside(models['best_factor']['rms'], models['learned']['rms'])} |  |")
 
     def errors(text):
@@ -321,7 +319,7 @@ def summary_table(evaluations, patients):
 
     for patient, name in PATIENT.items():
         _, pokes, answered = patients[patient]
-        rows.append(f"| {name}, after {PATIENT_POKES} pokes | {errors(pokes[PATIENT_POKES])} ({answered}) |  | before any {errors(pokes[0])} |  |")
+        rows.append(f"| {name}, after {PATIENT_POKES} measurements | {errors(pokes[PATIENT_POKES])} ({answered}) |  | before adaptation {errors(pokes[0])} |  |")
     return rows
 
 

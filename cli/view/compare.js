@@ -131,8 +131,8 @@ export function comparison() {
   if (distance > FAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };
   if (why === "askew") return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
   if (distance > NEAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far for per cent.`, there: why ? null : { force, fe_N } };
-  if (why === "strayed")
-    return { ...basis, why: "In this press the tool was where finite elements were not, and tissue that relaxes remembers that: let go, wait a while or press Reset, and press anew." };
+  if (why === "unsolved")
+    return { ...basis, why: "Earlier in this press the tool was where no finite elements were solved, and tissue that relaxes remembers it: let go, wait or press Reset, and press again." };
   if (why === "remembers")
     return { ...basis, why: "The tissue still remembers an earlier press, and finite elements do not: wait a while, or press Reset." };
   const errors = meshes.map(mesh => mesh.error ?? NaN);

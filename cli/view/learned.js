@@ -15,7 +15,7 @@ function recolour() {
 /** A "learned" message: another reading. */
 export function take_learned(message) {
   if (!model) return;
-  if (message.ended) Object.assign(model, { ended: message.ended, learned: message.learned ?? model.learned });
+  if (message.ended) Object.assign(model, { ended: message.ended, learned: message.learned ?? model.learned, reading: message.reading ?? model.reading, next: undefined });
   else Object.assign(model, { learned: message.learned, reading: message.reading, next: message.next });
   prepare_learned();
   recolour();

@@ -62,7 +62,7 @@ const reasons = {
   askew: "is pushed another way than finite elements were",
   moves: "is still moving",
   remembers: "still remembers an earlier press",
-  strayed: "remembers that this press was where finite elements were not",
+  unsolved: "remembers a part of this press that no finite elements were solved for",
   folded: "is folded",
   unknown: "has no number to compare",
 };

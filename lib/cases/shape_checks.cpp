@@ -59,7 +59,7 @@ namespace {
 
 constexpr double most_along = 1000;  ///< springs, elements or tools along a tissue
 
-/// How large what presses is: the tool, or how deep it goes.
+/// A length of the load: half width or depth of the tool, whichever is larger.
 double tool_size_m(const Study& study) { return std::max(study.indenter.half_width_m, study.loads.magnitudes_m.empty() ? 0 : study.loads.magnitudes_m.back()); }
 
 }  // namespace
@@ -69,7 +69,7 @@ void refuse_wrong_unit(const Study& study) {
     const double longest_m = std::max({g.width_m, g.length_m, g.height_m}), tool_m = tool_size_m(study);
     if (tool_m > 0 && longest_m > most_along * tool_m)
         refuse(study, longest_m == g.width_m ? "geometry.width_m" : longest_m == g.height_m ? "geometry.height_m" : "geometry.length_m",
-               fmt::format("{:g} m is more than {:g} times {:g} m, which the tool is wide or goes deep. Is this in millimetres? It is wanted in metres", longest_m, most_along, tool_m));
+               fmt::format("{:g} m is more than {:g} times {:g} m, the tool's half width or depth. Is this in millimetres? Lengths are in metres", longest_m, most_along, tool_m));
 }
 
 void refuse_wrong_unit(const Study& study, const MshFile& mesh) {

@@ -12,7 +12,7 @@ struct DeviceImpedance {
     double stiffness_N_m = std::numeric_limits<double>::infinity();  ///< the largest that it can show
     double force_max_N = std::numeric_limits<double>::infinity();    ///< at its nominal position
     double rate_Hz = std::numeric_limits<double>::infinity();        ///< at which it measures positions and takes forces
-    double delay_s = 0;                                              ///< from a position's measurement to the force that answers it, beside what ticks take: of a device that puts out in one period what was written in the one before
+    double delay_s = 0;                                              ///< between the measurement of a position and the force that answers it, besides the tick's own period: one servo period where a force goes out in the period after it was written
 };
 
 /// A Touch, and its predecessor the PHANTOM Omni: mass 45 g, 3.3 N, 1.02 N/mm on its softest axis by the vendor's data sheet. The sheet has no damping,

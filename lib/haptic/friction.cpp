@@ -14,6 +14,21 @@ constexpr int most_steps = 4, most_halvings = 6;  // of one tick
 constexpr double on_cone = 1e-3;                  // of the cone's own size: nearer is on it
 constexpr double longest = 0.5;                   // step, in spacings of the surface's nodes: the contact's rows change little
 
+/// A tool's force on tissue at a push, along the surface and into it.
+struct Pull {
+    Pull(const Point& push, const NodeColumns& u, const ToolSpring& tool, const ToolMemory& memory) noexcept {
+        const Point hand = tool.hand_N(push, u, &memory), inward = tool.inward();
+        pressed_N = std::max(0.0, hand.dot(inward));
+        direction = hand - hand.dot(inward) * inward;
+        drag_N = direction.norm();
+        if (drag_N > 0) direction /= drag_N;
+    }
+    bool outside(double mu) const { return drag_N > mu * pressed_N + on_cone * (mu * pressed_N + 1e-6 * drag_N); }
+
+    double pressed_N, drag_N;
+    Point direction;  ///< unit, of the drag
+};
+
 }  // namespace
 
 Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip_(options.slip.value_or(options.stick)), has_slip_(options.slip.has_value()) {
@@ -23,26 +38,25 @@ Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip
     if (!(slip_ <= stick_)) throw MismatchError(fmt::format("kinetic friction {} must not be above the static {}", slip_, stick_));
 }
 
-void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
+Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
                      SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory, ToolMemory* beside) noexcept {
-    if (std::isinf(stick_)) return;
+    Point drags = Point::Zero(tool_m.size());
+    if (std::isinf(stick_)) return drags;
     bool slips = false;
     for (int step = 0; step < most_steps; ++step) {
-        const Point push = tool_m - touched_m, hand = tool.hand_N(push, u, &memory), inward = tool.inward();
-        const double pressed = std::max(0.0, hand.dot(inward));
-        const Point along = hand - hand.dot(inward) * inward;
-        const double drag = along.norm(), bound = (slips ? slip_ : cone()) * pressed;
-        if (!(drag > bound + on_cone * (bound + 1e-6 * drag))) break;
+        const Point push = tool_m - touched_m;
+        const Pull pull(push, u, tool, memory);
+        if (!pull.outside(slips ? slip_ : cone())) break;
         slips = true;
         slipping_ = true;
-        const Point direction = along / drag;
-        const double stiffness = direction.dot(tool.stiffness_N_m(push, u, &memory) * direction);
+        drags = pull.direction;
+        const double stiffness = pull.direction.dot(tool.stiffness_N_m(push, u, &memory) * pull.direction);
         if (!(stiffness > 0)) break;
-        double way_m = std::min((drag - slip_ * pressed) / stiffness, longest * surface.spacing_m());
+        double way_m = std::min((pull.drag_N - slip_ * pull.pressed_N) / stiffness, longest * surface.spacing_m());
         const double before_J = tool.energy_J(push, u, &memory);
         bool falls = false;
         for (int half = 0; half < most_halvings && !falls; ++half, way_m /= 2) {
-            const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, way_m * direction);
+            const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, way_m * pull.direction);
             if (!(walk.walked_m > 0)) break;
             const Point place = mesh.rest_place(walk.facet, walk.weight);
             next_.show_at_most(tool.most_N());
@@ -52,7 +66,6 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
             const double after_J = next_.energy_J(tool_m - place, u, &next_memory_);
             if (!(after_J <= before_J)) continue;
             falls = true;
-            dissipated_J_ += before_J - after_J;
             where.facet = walk.facet;
             where.weight = walk.weight;
             touched_m = place;
@@ -63,34 +76,56 @@ void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const
         if (!falls) break;
     }
     slipping_ = slips;
+    return drags;
 }
 
-void Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m,
-                     SurfacePlace& where) noexcept {
-    if (std::isinf(stick_)) return;
-    // in the plane, where springs alone are played: along the segment at rest, as its nodes go up and down while the tool passes
+Point Friction::outside(const Point& push, const NodeColumns& u, const ToolSpring& tool, const ToolMemory& memory) const noexcept {
+    Point sum = Point::Zero(push.size());
+    if (std::isinf(stick_)) return sum;
+    for (int step = 0; step < most_steps; ++step) {
+        const Pull pull(push - sum, u, tool, memory);
+        if (!pull.outside(cone())) break;
+        const double stiffness = pull.direction.dot(tool.stiffness_N_m(push - sum, u, &memory) * pull.direction);
+        if (!(stiffness > 0)) break;
+        double way_m = std::min((pull.drag_N - cone() * pull.pressed_N) / stiffness, std::abs((push - sum).dot(pull.direction)));
+        for (int half = 0; half < most_halvings && tool.hand_N(push - sum - way_m * pull.direction, u, &memory).dot(pull.direction) < 0; ++half) way_m /= 2;
+        sum += way_m * pull.direction;
+    }
+    return sum;
+}
+
+/// In the plane, where springs alone are played: along the segment at rest, as its nodes go up and down while the tool passes.
+Point Friction::outside(const RealtimeMesh& mesh, double coupling_N_m, const Point& tool_m, const SurfacePlace& where) const noexcept {
     const Eigen::Vector2d from = mesh.rest_place(where.facet, {1, 0, 0}), to = mesh.rest_place(where.facet, {0, 1, 0});
     const Eigen::Vector2d tangent = (to - from).normalized(), inward(-tangent.y(), tangent.x());
     const Eigen::Vector2d gap = tool_m - where.position_m;
     const double pressed = std::max(0.0, coupling_N_m * gap.dot(inward)), drag = coupling_N_m * gap.dot(tangent);
-    slipping_ = std::abs(drag) > cone() * pressed * (1 + on_cone);
-    if (!slipping_) return;
-    double way_m = std::min((std::abs(drag) - slip_ * pressed) / coupling_N_m, longest * surface.spacing_m());
-    const double before_J = coupling_N_m * gap.squaredNorm() / 2;
+    if (std::isinf(stick_) || !(std::abs(drag) > cone() * pressed * (1 + on_cone))) return Point::Zero(2);
+    return std::copysign((std::abs(drag) - slip_ * pressed) / coupling_N_m, drag) * tangent;
+}
+
+Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m,
+                     SurfacePlace& where) noexcept {
+    const Point outside_m = outside(mesh, coupling_N_m, tool_m, where);
+    const double far_m = outside_m.norm();
+    slipping_ = far_m > 0;
+    if (!slipping_) return outside_m;
+    double way_m = std::min(far_m, longest * surface.spacing_m());
+    const double before_J = coupling_N_m * (tool_m - where.position_m).squaredNorm() / 2;
     for (int half = 0; half < most_halvings; ++half, way_m /= 2) {
-        const Point along = std::copysign(way_m, drag) * tangent;
+        const Point along = way_m / far_m * outside_m;
         const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, along);
-        if (!(walk.walked_m > 0)) return;
+        if (!(walk.walked_m > 0)) break;
         const Point place = now.at(walk.facet, walk.weight);
         const double after_J = coupling_N_m * (tool_m - place).squaredNorm() / 2;
         if (!(after_J <= before_J)) continue;
-        dissipated_J_ += before_J - after_J;
         where.facet = walk.facet;
         where.weight = walk.weight;
         where.position_m = place;
         where.distance_m = (tool_m - place).norm();
-        return;
+        break;
     }
+    return outside_m / far_m;
 }
 
 }  // namespace tissue

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -18,8 +20,7 @@ struct FrictionOptions {
 /// |f_t| <= mu f_n about the surface's inward normal there; outside, the place goes along the surface at rest, the way that the tool
 /// drags, as far as brings the force back onto the cone of the kinetic mu. It sticks again when the force is inside that.
 ///
-/// It never gives energy: tool, nodes and their velocities stay where they are in that moment, so that what is stored changes by
-/// the contact's energy alone, and the place goes only as far as that falls. Allocates nothing.
+/// The place goes only as far as the contact's energy falls. Allocates nothing.
 class Friction {
    public:
     /// Throws MismatchError for a mu that is negative or not a number, or a kinetic one above the static.
@@ -31,13 +32,21 @@ class Friction {
 
     /// A law's contact, while the tool presses. tool_m: in the mesh's own coordinates. where, touched_m, tool: its place, that place
     /// at rest and its energy there; they change as it slips. memory: of the contact; it goes along, and so does that
-    /// of a mesh beside, if there is one, which has the same contact.
-    void slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
+    /// of a mesh beside, if there is one, which has the same contact. Returns the direction in which the force drags it, zero where it does not slip.
+    Point slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
                SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory, ToolMemory* beside = nullptr) noexcept;
 
     /// A contact of springs, with a coupling between the tool and the proxy where.position_m on the surface as it stands. All places
-    /// as the surface has them.
-    void slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m, SurfacePlace& where) noexcept;
+    /// as the surface has them. Returns the same.
+    Point slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m, SurfacePlace& where) noexcept;
+
+    /// How far such a tool, at a push or at a place, is outside the cone along the surface [m] (D): so far less it would be on it. Zero within the cone.
+    Point outside(const Point& push_m, const NodeColumns& u, const ToolSpring& tool, const ToolMemory& memory) const noexcept;
+    Point outside(const RealtimeMesh& mesh, double coupling_N_m, const Point& tool_m, const SurfacePlace& where) const noexcept;
+
+    bool finite() const { return std::isfinite(stick_); }
+    /// Work that the force did on a place that slid.
+    void dissipate(double work_J) noexcept { dissipated_J_ += std::max(0.0, work_J); }
 
     FrictionOptions options() const { return {stick_, has_slip_ ? std::optional<double>(slip_) : std::nullopt}; }
     /// Other friction from now on; what was dissipated stays.

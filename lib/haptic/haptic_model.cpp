@@ -116,7 +116,7 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
 
 void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt_s, const HapticMesh& mesh) {
     if (!(device.mass_kg > 0) && (device.damping_Ns_m > 0 || std::isfinite(device.rate_Hz)))
-        throw MismatchError("device-damping and device-rate belong to a device-mass, which comes first: without one nothing is judged by them");
+        throw MismatchError("device-damping and device-rate have no effect without device-mass: set device-mass first");
     const double scale = map.force_scale * map.scale;
     const auto refuse = [&](double tissue_N_m, const char* when, double limit_N_m, auto whose) {
         const double most = map.force_scale * limit_N_m / (scale * tissue_N_m);

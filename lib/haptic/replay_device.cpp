@@ -21,7 +21,7 @@ const DeviceKind ReplayDevice::kind = {
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
         auto device = std::make_unique<ReplayDevice>(v.at("trajectory"), c.tool);
         if (c.rest && c.rest->is_solid() && !device->has_z()) throw DeviceError(v.at("trajectory") + ": has no column z_m, and the tissue is in space");
-        if (c.rest && c.rest->is_solid() && !device->has_fz()) throw DeviceError(v.at("trajectory") + ": has forces without a column fz_N, and the tissue is in space");
+        if (c.rest && c.rest->is_solid() && !device->has_fz()) throw DeviceError(v.at("trajectory") + ": has fx_N and fy_N but no fz_N: a tissue in space needs all three");
         return device;
     },
     {}, 0, true, true};

@@ -149,7 +149,7 @@ class Safety {
     double elapsed_s_;                                      ///< of the tick behind
     double since_good_s_ = 0;                               ///< since the last good position was measured
     double between_s_ = 0;
-    double allowed_s_ = 0;                                  ///< that the fastest hand may go now: since the last position, and of dt what it did not use before
+    double allowed_s_ = 0;                                  ///< for how long the fastest hand may have moved: the time since the last position and what it left unused, dt at most of both
     double observed_J_ = 0;
     double lateness_ = 1;
 };

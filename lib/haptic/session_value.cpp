@@ -220,7 +220,7 @@ void Simulation::check_take_over(const Simulation& from) const {
         throw MismatchError(fmt::format("dt is {:g} s, and the device of the other session holds a force for {:g} s: dt must be at most half of that", model_.options.dt_s, hold_s));
     for (std::size_t k = 0; k < followed_.size(); ++k)
         if (from.tools_[k].touched >= 0 && from.tools_[k].contacts != followed_[k])
-            throw MismatchError("the tool has begun another contact since it was followed: another session follows it anew");
+            throw MismatchError("the tool has begun another contact since it was followed: follow it again with a new session");
     for (const ToolState& theirs : from.tools_)
         for (const auto& mesh : model_.meshes) check_device(theirs.options.device, theirs.options.map, model_.options.dt_s, *mesh);
 }

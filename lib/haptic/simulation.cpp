@@ -21,7 +21,7 @@ TISSUE_HOT void average(int n, double gamma, const double* __restrict set, doubl
 namespace {
 
 constexpr double swings_out_s = 0.5;  ///< a tool that touches again so soon meets what its last contact has left in motion, and belongs to it
-constexpr double carried_s = 0.1;    ///< a force of a session that was taken over fades with this time constant
+constexpr double carried_s = 0.1;    ///< the force of a session that was taken over gives way to that of this one with this time constant
 constexpr int most_periods = 16;  ///< that a mesh goes through in one tick, to make up for late ones
 
 }  // namespace
@@ -238,7 +238,7 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
         if (lost && tools_[k].record.status == TickStatus::done) tools_[k].record.status = TickStatus::diverged;
     }
 
-    // 4.2 collision detection; Coulomb: the contact goes along the surface
+    // 4.2 collision detection
     if (std::any_of(tools_.begin(), tools_.end(), [](const ToolState& t) { return t.record.status == TickStatus::done; })) move_surfaces();
     bool folded = false;
     for (ToolState& t : tools_) {
@@ -251,8 +251,6 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
             continue;
         }
         if (!t.armed) t.record.status = TickStatus::not_armed;
-        if (t.contact.pressing) slide(t, t.record.master_m);
-        if (t.taken_over) t.slid_m.setZero();  // as far as the hand has gone since it was followed, at once: no speed of the contact
     }
     if (folded) ++counters_.folded;
 
@@ -294,10 +292,13 @@ Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
     if (t.untouched_s > swings_out_s && t.safety.force_N().isZero(0)) t.safety.forget_credit();
     if (!t.armed) return t.record.device_N = t.safety.stop();
     Eigen::Vector3d wanted = t.options.map.force_to_device(t.record.coupling_N);
-    if (std::exchange(t.taken_over, false)) t.carried_N = t.safety.force_N() - wanted;
-    if (!t.contact.contact) t.carried_N.setZero();
-    wanted += t.carried_N;
-    t.carried_N *= std::exp(-since_s / carried_s);
+    if (std::exchange(t.taken_over, false)) {
+        t.carried_N = t.safety.force_N();
+        t.carried = 1;
+    }
+    if (!t.contact.contact) t.carried = 0;
+    wanted += t.carried * (t.carried_N - wanted);  // what this tissue still swings, where its contact has to slip to where the hand is by now, comes out little by little
+    t.carried *= std::exp(-since_s / carried_s);
     if (t.clutched) wanted.setZero();
     return t.record.device_N = t.safety.limit(wanted, !t.clutched);
 }

@@ -192,7 +192,14 @@ class Simulation {
     bool put_to_rest() noexcept;
     bool find_contact(ToolState& t) noexcept;
     void begin_contact(ToolState& t, int mesh) noexcept;
-    void slide(ToolState& t, const Point& master_m) noexcept;
+    Point end_of(const ToolState& t) const noexcept;
+    Point outside_cone(const ToolState& t, const Point& tool_m, const NodeColumns& u) const noexcept;
+    struct Slip {
+        Point slid_m, drags;  ///< how far the contact went, and the direction in which the force drags it on; zero where it does not slip (D)
+        bool went_on;         ///< it slipped in the step before too
+    };
+    Slip slide(ToolState& t) noexcept;
+    Point glide(const ToolState& t, const Slip& slip, const Point& to_m, double seconds) noexcept;
     void lay_tool(ToolState& t, const Point& push_m) noexcept;
     void hold_tool(ToolState& t) noexcept;
     bool tool_pushes(const ToolState& t, const Point& tool_m) const noexcept;

@@ -55,8 +55,7 @@ void Simulation::begin_contact(ToolState& t, int mesh) noexcept {
     t.touched = mesh;
     ++t.contacts;
     t.at_m = master_m;
-    t.slid_m.setZero();
-    t.slide_m_s.setZero();
+    t.went_m.setZero();
     t.friction.begin();
     const HapticMesh& pressed = *model_.meshes[static_cast<std::size_t>(mesh)];
     t.touched_m = pressed.springs.rest_place(t.contact.where.facet, t.contact.where.weight);
@@ -88,14 +87,14 @@ bool Simulation::tool_pushes(const ToolState& t, const Point& tool_m) const noex
 /// A law's contact keeps its place, and presses while it pushes the tool out. The surface does not say whether:
 /// the patch's spline is smoother, and the tool may lie on either side of it. Contact ends when the patch does not push and the
 /// tool is out of the surface, or when it is farther out of it than the surface's nodes lie apart, which no patch explains. Where ticks come less often than dt, tissue that
-/// swings is out of reach at one and back before the next, and contact does not end for one swing while the tool is deeper than where it touched the tissue at rest, and no farther along it: begun anew
-/// at each tick it would be pumped up.
+/// swings may be away from the tool at one tick and back before the next. There a contact lasts for one period of the lowest mode while the tool is deeper than where it touched the tissue at rest, and no
+/// farther along the surface than deep: a contact that ended and began at every tick would feed energy into the tissue.
 void Simulation::hold_tool(ToolState& t) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     const MovingSurface& surface = *surfaces_[m];
     const Point& master_m = t.record.master_m;
-    if (laws_[0]->contact_grows()) lay_tool(t, t.spring.shown_push(push_of(t, t.at_the_end(master_m, period_s_), m), states_[m].displacement));
-    t.contact.pressing = tool_pushes(t, t.at_the_end(master_m, period_s_));
+    if (laws_[0]->contact_grows()) lay_tool(t, t.spring.shown_push(push_of(t, end_of(t), m), states_[m].displacement));
+    t.contact.pressing = tool_pushes(t, end_of(t));
     const Point push = push_of(t, master_m, m);
     const double in_m = push.dot(t.spring.inward()), swing_s = 1 / std::max(model_.meshes[m]->lowest_frequency_Hz, 1.0);
     const bool waits = !t.contact.pressing && period_s_ > 1.5 * model_.options.dt_s && t.untouched_s < swing_s && in_m > (push - in_m * t.spring.inward()).norm();
@@ -110,23 +109,67 @@ void Simulation::hold_tool(ToolState& t) noexcept {
     t.contact.proxy_m = t.contact.where.position_m;
 }
 
-/// The contact goes along where the tool at a place leaves the cone of friction.
-void Simulation::slide(ToolState& t, const Point& master_m) noexcept {
+/// How far a tool at a place is outside the cone of friction, along the surface, of nodes that are displaced by u.
+Point Simulation::outside_cone(const ToolState& t, const Point& tool_m, const NodeColumns& u) const noexcept {
+    const auto m = static_cast<std::size_t>(t.touched);
+    if (on_law(t)) return t.friction.outside(push_of(t, tool_m, m), u, t.spring, t.memory[m]);
+    return t.friction.outside(model_.meshes[m]->springs, t.coupling_N_m, tool_m, t.contact.where);
+}
+
+/// Where a tool will be at the end of the time in which this tick's force is held. Along the surface it is not led farther than friction holds it: a contact that slid for a hand that
+/// was expected would stay there when the hand stops.
+Point Simulation::end_of(const ToolState& t) const noexcept {
+    const Point& master_m = t.record.master_m;
+    const Point end_m = t.at_the_end(master_m, period_s_);
+    if (t.touched < 0 || !t.friction.finite()) return end_m;
+    const Point outside_m = outside_cone(t, end_m, states_[static_cast<std::size_t>(t.touched)].displacement);
+    const double far_m = outside_m.norm();
+    if (!(far_m > 0)) return end_m;
+    const Point direction = outside_m / far_m;
+    return end_m - std::clamp((end_m - master_m).dot(direction), 0.0, far_m) * direction;
+}
+
+/// The contact goes along the surface where the tool, at the time to which the mesh has come, is outside the cone of friction.
+Simulation::Slip Simulation::slide(ToolState& t) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     const HapticMesh& mesh = *model_.meshes[m];
     const MovingSurface& now = *surfaces_[m];
-    t.slid_m -= mesh.law ? t.touched_m : Point(t.contact.where.position_m);
+    Slip slip;
+    slip.went_on = t.friction.slipping();
     if (mesh.law) {
-        t.friction.slide(model_.surface, mesh.springs, *laws_[0], states_[m].displacement, master_m - mesh.place_m, t.contact.where, t.touched_m, t.spring,
-                         t.memory[m], t.memory.size() > 1 ? &t.memory[1 - m] : nullptr);
+        slip.slid_m = -t.touched_m;
+        slip.drags = t.friction.slide(model_.surface, mesh.springs, *laws_[0], states_[m].displacement, t.at_m - mesh.place_m, t.contact.where, t.touched_m, t.spring,
+                                      t.memory[m], t.memory.size() > 1 ? &t.memory[1 - m] : nullptr);
+        slip.slid_m += t.touched_m;
         t.contact.where.position_m = now.at(t.contact.where.facet, t.contact.where.weight);
     } else {
-        t.friction.slide(model_.surface, mesh.springs, now, t.coupling_N_m, master_m, t.contact.where);
+        slip.slid_m = -t.contact.where.position_m;
+        slip.drags = t.friction.slide(model_.surface, mesh.springs, now, t.coupling_N_m, t.at_m, t.contact.where);
+        slip.slid_m += t.contact.where.position_m;
         if (t.friction.slipping()) lay_tool(t, push_of(t, t.at_m, m));  // the law's mesh beside gets the force there
     }
-    t.slid_m += mesh.law ? t.touched_m : Point(t.contact.where.position_m);
     t.contact.proxy_m = t.contact.where.position_m;
+    slip.went_on = slip.went_on && t.friction.slipping();
     t.record.slipping = t.record.slipping || t.friction.slipping();
+    return slip;
+}
+
+/// How far a contact goes along with its tool while that goes from at_m to to_m (D), so that the force stays on the cone. One that slips goes on as it did, since tissue moves beneath it;
+/// one that reaches the cone on the way goes as far as the tool then is outside. It is laid there with the next step, when the tissue has answered.
+Point Simulation::glide(const ToolState& t, const Slip& slip, const Point& to_m, double seconds) noexcept {
+    constexpr double most = 2;
+    const Point way_m = to_m - t.at_m;
+    if (!t.friction.finite()) return Point::Zero(way_m.size());
+    if (slip.drags.isZero(0)) {
+        const MeshState& state = states_[static_cast<std::size_t>(t.touched)];
+        held_ = state.displacement + seconds * state.velocity;
+        const Point outside_m = outside_cone(t, to_m, held_);
+        const double far_m = outside_m.norm();
+        return far_m > 0 ? Point(std::clamp(way_m.dot(outside_m) / far_m, 0.0, far_m) / far_m * outside_m) : outside_m;
+    }
+    const double moved_m = t.went_m.dot(slip.drags);
+    const double share = slip.went_on && moved_m > 0 ? std::clamp(slip.slid_m.dot(slip.drags) / moved_m, 0.0, most) : 1;
+    return share * std::max(0.0, way_m.dot(slip.drags)) * slip.drags;
 }
 
 /// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.
@@ -202,10 +245,13 @@ void Simulation::stand_on(ToolState& t, std::size_t m) noexcept {
     const MeshState& state = states_[m];
     ContactLoad load = load_of(t, m);
     const Point moved_m = t.at_the_end(t.record.master_m, period_s_) + (model_.options.dt_s - due_s_[m] - period_s_) * t.velocity_m_s - t.at_m;  // since the last step
-    if (load.tool) *load.push_m += moved_m;
-    else load.master_m += moved_m;
-    load.velocity_m_s -= t.slide_m_s;
     held_ = state.displacement + load.ahead_s * state.velocity;
+    const Point outside_m = outside_cone(t, t.at_m + moved_m, held_);  // it slides with the next step; till then its force is that on the cone
+    const double far_m = outside_m.norm();
+    if (load.tool) *load.push_m += moved_m - outside_m;
+    else load.master_m += moved_m - outside_m;
+    if (far_m > 0) load.velocity_m_s -= load.velocity_m_s.dot(outside_m) / (far_m * far_m) * outside_m;
+    t.record.slipping = t.record.slipping || far_m > 0;
     t.record.coupling_N = -load.force_at(mesh.springs, held_);
 }
 
@@ -223,16 +269,15 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
         return;
     }
     Point course_m_s[most_tools];
-    bool held = false, slid[most_tools] = {};  // a tool that pressed as the tick began has been asked for its place
+    bool held = false;
     for (std::size_t k = 0; k < tools_.size(); ++k) {
         ToolState& t = tools_[k];
         if (!t.contact.contact || !holds(t)) continue;
         held = true;
-        slid[k] = t.contact.pressing;
-        course_m_s[k] = (t.at_the_end(t.record.master_m, period_s_) - t.at_m) / (steps * h);
+        course_m_s[k] = (end_of(t) - t.at_m) / (steps * h);
     }
-    const bool asks = held && mesh.law && steps >= 2 * mesh.substeps;
-    const int of_last = std::clamp(static_cast<int>(std::lround(period_s_ / h)), 1, steps), most = asks ? mesh.substeps : steps;
+    const bool in_parts = held && mesh.law && steps >= 2 * mesh.substeps;
+    const int of_last = std::clamp(static_cast<int>(std::lround(period_s_ / h)), 1, steps), most = in_parts ? mesh.substeps : steps;
     Point sum_N[most_tools];
     for (std::size_t k = 0; k < tools_.size(); ++k) sum_N[k] = Point::Zero(model_.dimension());
     bool pressed[most_tools] = {};
@@ -240,7 +285,7 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
         const int n = std::min(most, steps - done), last = std::clamp(of_last - (steps - done - n), 0, n);
         ContactLoads loads;
         int of[most_tools] = {-1, -1};  // which tool a load holds; none where the mesh gets its force alone
-        Point on_m[most_tools];
+        Point on_m[most_tools], slid_m[most_tools];
         for (std::size_t k = 0; k < tools_.size(); ++k) {
             ToolState& t = tools_[k];
             if (!t.contact.contact) continue;
@@ -249,18 +294,15 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
                 continue;
             }
             on_m[k] = t.at_m + n * h * course_m_s[k];
-            if (asks) t.contact.pressing = tool_pushes(t, on_m[k]);
+            if (in_parts) t.contact.pressing = tool_pushes(t, on_m[k]);
             if (t.contact.pressing) {
-                if (asks && !std::exchange(slid[k], false)) slide(t, t.at_m);
-                t.slide_m_s = t.slid_m / (n * h);
-                if (const double most_m_s = course_m_s[k].norm(), speed_m_s = t.slide_m_s.norm(); asks && speed_m_s > most_m_s) t.slide_m_s *= most_m_s / speed_m_s;  // it catches up at once, with no tool as fast
+                const Slip slip = slide(t);
+                slid_m[k] = slip.slid_m;
                 of[loads.count] = static_cast<int>(k);
                 ContactLoad& load = loads.load[loads.count++] = load_of(t, m);
-                load.velocity_m_s = course_m_s[k] - t.slide_m_s;  // a place that goes along with the tool is neither stretched nor damped by that
-            } else {
-                t.slide_m_s.setZero();
+                load.velocity_m_s = course_m_s[k] - glide(t, slip, on_m[k], n * h) / (n * h);
             }
-            t.slid_m.setZero();
+            t.went_m = on_m[k] - t.at_m;
             t.at_m = on_m[k];
         }
         Point mean_N[most_tools];
@@ -268,10 +310,11 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
         for (int k = 0; k < loads.count; ++k) {
             if (of[k] < 0) continue;
             pressed[of[k]] = true;
+            tools_[static_cast<std::size_t>(of[k])].friction.dissipate(mean_N[k].dot(slid_m[of[k]]));
             if (last > 0) sum_N[of[k]] += last * mean_N[k];
         }
         for (std::size_t k = 0; k < tools_.size(); ++k)
-            if (ToolState& t = tools_[k]; t.contact.contact && !t.contact.pressing && holds(t)) remember_contact(t, asks ? on_m[k] : t.record.master_m, n);
+            if (ToolState& t = tools_[k]; t.contact.contact && !t.contact.pressing && holds(t)) remember_contact(t, in_parts ? on_m[k] : t.record.master_m, n);
         done += n;
     }
     for (std::size_t k = 0; k < tools_.size(); ++k)
@@ -284,6 +327,7 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
 /// The tick's record of a tool that presses, or did in a part of it.
 void Simulation::record_contact(ToolState& t) noexcept {
     t.untouched_s = 0;
+    t.record.proxy_m = t.contact.proxy_m;
     t.record.mesh = t.touched;
     t.record.facet = t.contact.where.facet;
     t.record.weight = t.contact.where.weight;
@@ -306,7 +350,7 @@ void Simulation::step_meshes() noexcept {
     for (ToolState& t : tools_) {
         if (t.contact.pressing) continue;
         t.at_m = t.at_the_end(t.record.master_m, period_s_);
-        t.slid_m.setZero();
+        t.went_m.setZero();
     }
 }
 

@@ -86,20 +86,20 @@ struct ToolState {
     bool has_master = false;      ///< there was one
     bool clutched = false;
     bool taken_over = false;      ///< and no tick since
-    Eigen::Vector3d carried_N = Eigen::Vector3d::Zero();  ///< of the session that was taken over, and fades
+    Eigen::Vector3d carried_N = Eigen::Vector3d::Zero();  ///< last force of the session that was taken over
+    double carried = 0;           ///< and its share of the force
     ContactState contact;
     int touched = -1;             ///< mesh in contact
     double coupling_N_m = 0;      ///< k_C of this contact
     ToolSpring spring, changed;   ///< of this contact, where the learned mesh is a law; and before it became another
     std::vector<ToolMemory> memory;  ///< of it on each mesh
     Point at_m;                   ///< the tool of this contact, at the time to which the touched mesh has come
+    Point went_m;                 ///< how far it went in the step before (D)
     Point velocity_m_s;           ///< of the master (D)
-    Point slid_m;                 ///< how far the contact has gone along the surface since the last step (D)
-    Point slide_m_s;              ///< and how fast before it (D)
     Point touched_m;              ///< X_p of this contact, in the mesh's own coordinates
     Friction friction;
     bool armed = false;           ///< the master has been outside
-    long long contacts = 0;       ///< that it has begun; in no state, since what is restored is another one
+    long long contacts = 0;       ///< begun so far; not part of a saved state: a restored contact counts as a new one
     long long unarmed = 0;        ///< ticks in which it was inside tissue and had not been outside
     double untouched_s = 0;       ///< since this tool or its force was on the meshes
     TickRecord record;

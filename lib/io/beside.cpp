@@ -44,11 +44,12 @@ bool drawn_for(const std::string& last, const std::string& name) {
 void remove_open_folder(int descriptor, const OpenFolder& folder, const std::string& name) {
     std::error_code error, ignored;
     for (std::filesystem::directory_iterator entry(fmt::format("/proc/self/fd/{}/", descriptor), error), end; !error && entry != end; entry.increment(error))
-        std::filesystem::remove_all(entry->path(), ignored);
+        if (entry->path().filename() != name) std::filesystem::remove_all(entry->path(), ignored);
+    ::unlinkat(descriptor, name.c_str(), 0);  // last: without it a later program would not know the folder
     ::unlinkat(folder.descriptor(), name.c_str(), AT_REMOVEDIR);
 }
 
-/// Whether a folder was made here: the file in it that bears its name says so. Another user may rename a folder of this one, but put no file into it.
+/// Whether a folder was made here: the file in it that bears its name says so. Another user can rename a folder of this user, but cannot put a file into it.
 bool made_here(int descriptor, const std::string& name) {
     struct stat mark {};
     return ::fstatat(descriptor, name.c_str(), &mark, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(mark.st_mode) && mark.st_uid == ::geteuid();
@@ -71,7 +72,7 @@ void remove_left_over(const FilePlace& place) {
         if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor, LOCK_EX) && is_open_as(descriptor, place.folder, name)) {
             if (S_ISREG(status.st_mode)) ::unlinkat(place.folder.descriptor(), name.c_str(), 0);
             if (S_ISDIR(status.st_mode) && made_here(descriptor, name)) remove_open_folder(descriptor, place.folder, name);
-            if (S_ISDIR(status.st_mode)) ::unlinkat(place.folder.descriptor(), name.c_str(), AT_REMOVEDIR);  // an empty one is nobody's loss
+            if (S_ISDIR(status.st_mode)) ::unlinkat(place.folder.descriptor(), name.c_str(), AT_REMOVEDIR);  // removes an empty one alone
         }
         ::close(descriptor);
     }

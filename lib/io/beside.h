@@ -18,7 +18,7 @@ struct Beside {
 /// Also removes what a killed program has left beside: what is of such a name and of this user, and nobody holds the lock of. Throws
 /// FileError, which names `place`, when nothing can be made.
 Beside make_file_beside(const std::string& place);
-/// In the folder is a file of its own drawn name, by which a later program knows it for left over; one that is neither empty nor has it stays.
+/// In the folder is a file of its own drawn name, by which a later program knows it for left over; a folder that lacks this file and is not empty stays.
 Beside make_folder_beside(const std::string& place);
 /// With all that is still in it, whatever has its name by now.
 void remove_folder(const Beside& made);

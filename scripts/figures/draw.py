@@ -22,8 +22,9 @@ def main():
     if len(sys.argv) != 4:
         sys.exit("usage: draw.py FIGURE RESULTS OUT.png")
     name, folder, out = sys.argv[1:]
-    if not (Path(__file__).parent / f"{name}.py").is_file():
-        sys.exit(f"draw.py: there is no figure '{name}'")
+    figures = sorted(file.stem for file in Path(__file__).parent.glob("*.py") if "\ndef draw(results" in file.read_text())
+    if name not in figures:
+        sys.exit(f"draw.py: there is no figure '{name}'; there are {', '.join(figures)}")
     data = results.load(folder)
     figure = importlib.import_module(name).draw(data)
     save(figure, out)

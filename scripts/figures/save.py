@@ -86,7 +86,7 @@ def replaced(out):
                 if not os.path.lexists(beside) or not os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
                     raise OSError(errno.ESTALE, "cannot write: another program has taken the file away that was made beside it")
                 os.replace(beside, out)
-            except OSError as error:  # the user knows no drawn name
+            except OSError as error:  # the message names the file that was asked for
                 raise OSError(error.errno, error.strerror, out) from None
         except BaseException:
             with contextlib.suppress(OSError):

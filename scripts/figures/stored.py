@@ -10,7 +10,7 @@ def refuse_foreign(group, seen):
     """Links of any kind but hard ones, values that another file holds, and groups of more than one name: within themselves, or again and again."""
     address = h5py.h5o.get_info(group.id).addr
     if address in seen:
-        raise ValueError(f"{group.name}: is a group that has another name, too")
+        raise ValueError(f"{group.name}: is a group with a second hard link, which is not followed")
     seen.add(address)
     for name in group:
         place = f"{group.name.rstrip('/')}/{name}"

@@ -464,6 +464,18 @@ TEST_CASE("a session takes over no contact that has begun since it was led there
     CHECK_THROWS_AS(third.check_take_over(plays), MismatchError);
 }
 
+TEST_CASE("what branches store and have dissipated is 0 unless a session keeps an energy log of them", "[state]") {
+    for (const bool kept : {false, true}) {
+        HapticOptions o = alone();
+        o.energy_book = kept;
+        const HapticModel model(relaxing(law_example()), o);
+        Simulation s(model);
+        press(s, -0.002, 0.004);
+        CHECK((s.branches().stored_J > 0) == kept);
+        CHECK((s.branches().dissipated_J > 0) == kept);
+    }
+}
+
 TEST_CASE("no state gives a session that has ticked other limits, or makes them changeable again", "[state]") {
     HapticOptions weak = alone();
     weak.safety.force_max_N = 0.5;

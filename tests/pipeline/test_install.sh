@@ -97,14 +97,15 @@ chmod +x "$scratch/bin/mktemp"
 echo precious >"$scratch/precious"
 place "$build" PREFIX="$prefix" PATH="$scratch/bin:$PATH"
 check "a link that takes the name of a file in the making: exit 1" exited 1
-check "a link that takes the name of a file in the making: one line" one_line '^install: cannot write .*another file has taken the name'
+check "a link that takes the name of a file in the making: one line" one_line '^install: cannot write .*another program has taken the name'
 check "and nothing is written through it" test "$(cat "$scratch/precious")" = precious
+check "nor left" test -z "$(find "$prefix" -name '*.tissue-*')"
 sed -i 's|ln -sfT ".*" "\$name"|rm -f "$name"; mkdir "$name"; : >"$name/precious"|' "$scratch/bin/mktemp"
 place "$build" PREFIX="$prefix" PATH="$scratch/bin:$PATH"
 check "a folder that takes that name: exit 1" exited 1
+check "a folder that takes that name: one line" one_line '^install: cannot write .*another program has taken the name'
 check "a folder that takes that name stays, with what is in it" test -n "$(find "$prefix" -path '*.tissue-*/precious')"
 find "$prefix" -name '*.tissue-*' -exec rm -r {} +
-check "nor left" test -z "$(find "$prefix" -name '*.tissue-*')"
 place "$build" PREFIX=/opt/tissue DESTDIR="$scratch/stage"
 check "DESTDIR stands before PREFIX" exist "$scratch/stage/opt/tissue/bin/tissuectl"
 check "and in no file" sh -c '! grep -rIl "$1" "$1"' - "$scratch/stage"

@@ -56,7 +56,7 @@ def virtual(f):
     f.create_virtual_dataset('x', layout)
 def within(f): f['group/again'] = f['group']
 def twice(f): f['other'] = f['group']
-for foreign, why in ((linked, 'is a link'), (soft, 'is a link'), (raw, 'values in another file'), (virtual, 'values in another file'), (within, 'another name'), (twice, 'another name'), (None, '')):
+for foreign, why in ((linked, 'is a link'), (soft, 'is a link'), (raw, 'values in another file'), (virtual, 'values in another file'), (within, 'second hard link'), (twice, 'second hard link'), (None, '')):
     with h5py.File(file, 'w') as f:
         f['here'] = numpy.zeros(3)
         f.create_group('group')

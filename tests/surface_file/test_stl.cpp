@@ -95,6 +95,9 @@ TEST_CASE("a solid without a name does not shift the names of the others; it is 
     }
     const MshFile none = read_surface_file(folder.file("box.stl", solid("", 0, 4) + solid("", 4, 12)));
     CHECK(none.triangle_names.empty());
+    // a number that is another one's name: which is meant nobody knows
+    CHECK_THAT(refusal<FileError>([&] { read_surface_file(folder.file("box.stl", solid("", 0, 2) + solid(" 1", 2, 4) + solid(" sides", 4, 12))); }),
+               Contains("box.stl") && Contains("part 1 has no name, and another part is called '1'"));
     CHECK(held_area(none, "surface-1") == Approx(12));  // between creases
 }
 

@@ -1,0 +1,195 @@
+// Friction at hosts and devices of every rate: the force in the cone, the same where the hand rests, and nothing given to it.
+#include <array>
+#include <catch2/catch.hpp>
+#include <functional>
+
+#include "haptic_example.h"
+
+namespace tissue {
+namespace {
+
+/// Everything that comes in is heard, and nothing but friction takes energy from the hand.
+HapticOptions rubbed(double stick, std::optional<double> slip = {}) {
+    HapticOptions options;
+    options.heuristic_mesh = false;
+    options.friction = {stick, slip};
+    options.safety.hold_s = 1;
+    options.safety.stale_s = 0.1;
+    options.safety.passivity = false;
+    return options;
+}
+
+struct Run {
+    std::vector<double> time_s;
+    std::vector<Point> force_N;       ///< of the tool on the tissue, and so held until the next tick
+    double put_in_J = 0, friction_J = 0;  ///< by the hand, from from_s on, and what friction was booked then
+
+    Point mean(double from_s, double to_s) const {
+        Point sum = Point::Zero(2);
+        int count = 0;
+        for (std::size_t k = 0; k < time_s.size(); ++k)
+            if (time_s[k] >= from_s && time_s[k] < to_s) sum += force_N[k], ++count;
+        return sum / count;
+    }
+    /// Largest share of the force along the surface to that into it.
+    double steepest(double from_s, double to_s) const {
+        double most = 0;
+        for (std::size_t k = 0; k < time_s.size(); ++k)
+            if (time_s[k] >= from_s && time_s[k] < to_s) most = std::max(most, std::abs(force_N[k].x()) / -force_N[k].y());
+        return most;
+    }
+};
+
+/// The hand goes along this way; ticks and the device's positions come so many times a second, and positions are so old.
+struct Rates {
+    double tick_Hz = 1000, device_Hz = 0, age_s = 0, stall_at_s = 10, stall_s = 0;
+};
+Run run(const HapticModel& model, const Rates& rates, double seconds, const std::function<Eigen::Vector2d(double)>& way, double from_s = 0) {
+    Simulation s(model);
+    Run run;
+    Eigen::Vector2d last_m = way(0), last_N(0, 0);
+    double before_J = 0, last_s = 0;
+    for (double time = 0; time < seconds; time += 1 / rates.tick_Hz) {
+        if (time >= rates.stall_at_s && last_s < rates.stall_at_s) time += rates.stall_s;
+        const double measured_s = rates.device_Hz > 0 ? std::floor(time * rates.device_Hz + 1e-9) / rates.device_Hz : time - rates.age_s;
+        const Eigen::Vector2d at_m = way(std::max(0.0, measured_s)), hand_m = way(time);
+        if (time >= from_s) run.put_in_J -= last_N.dot(hand_m - last_m);
+        else before_J = s.friction().dissipated_J();
+        DeviceSample sample;
+        sample.position_m = {at_m.x(), at_m.y(), 0};
+        sample.age_s = std::max(0.0, time - std::max(0.0, measured_s));
+        const Eigen::Vector3d force_N = s.tick(sample, time - last_s);
+        last_N = force_N.head(2);
+        last_m = hand_m;
+        last_s = time;
+        run.time_s.push_back(time);
+        run.force_N.push_back(-s.record().coupling_N);
+    }
+    run.friction_J = s.friction().dissipated_J() - before_J;
+    return run;
+}
+
+/// Into the top, waits, goes 30 mm along within 0.3 s, smoothly or at one speed, and waits.
+Eigen::Vector2d dragged(double time_s, bool abrupt) {
+    const double part = std::clamp((time_s - 0.5) / 0.3, 0.0, 1.0), way = abrupt ? part : part * part * part * (10 - 15 * part + 6 * part * part);
+    return {0.035 + 0.03 * way, 0.1 - 0.004 * std::min(1.0, time_s / 0.3)};
+}
+
+}  // namespace
+
+TEST_CASE("a hand that drags and then rests feels the same at any rate of ticks", "[friction][long]") {
+    const HapticModel model(law_example(), rubbed(0.3));
+    for (const bool abrupt : {false, true}) {
+        const auto way = [&](double t) { return dragged(t, abrupt); };
+        const Run usual = run(model, {}, 2, way);
+        REQUIRE(usual.mean(1.4, 2).x() > 0.1 * usual.mean(1.4, 2).norm());
+        CHECK(usual.mean(0.6, 0.7).x() == Approx(0.3 * -usual.mean(0.6, 0.7).y()).epsilon(0.03));
+        for (const double rate_Hz : {8000.0, 500.0, 330.0, 200.0, 100.0, 50.0}) {
+            const Run other = run(model, {rate_Hz}, 2, way);
+            INFO(rate_Hz << " Hz" << (abrupt ? ", stopped at once" : "") << ": drags with " << other.mean(0.6, 0.7).transpose() << " N, at 1 kHz " << usual.mean(0.6, 0.7).transpose() << ", rests with "
+                         << other.mean(1.4, 2).transpose() << " N, at 1 kHz " << usual.mean(1.4, 2).transpose() << "; steepest " << other.steepest(0.55, 0.78));
+            CHECK((other.mean(0.6, 0.7) - usual.mean(0.6, 0.7)).norm() < 0.02 * usual.mean(0.6, 0.7).norm());
+            CHECK((other.mean(1.4, 2) - usual.mean(1.4, 2)).norm() < 0.015 * usual.mean(1.4, 2).norm());
+            CHECK(other.steepest(0.55, 0.78) < 1.1 * usual.steepest(0.55, 0.78));
+        }
+    }
+}
+
+TEST_CASE("a hand that drags feels the same where its positions are old, or come less often than ticks", "[friction][long]") {
+    const HapticModel model(law_example(), rubbed(0.3));
+    const auto way = [](double t) { return dragged(t, false); };
+    const Run usual = run(model, {}, 2, way);
+    for (const Rates& rates : {Rates{1000, 500}, Rates{1000, 250}, Rates{1000, 100}, Rates{100, 50}, Rates{1000, 0, 0.5e-3}, Rates{1000, 0, 1e-3}, Rates{200, 0, 1e-3}}) {
+        const Run other = run(model, rates, 2, way);
+        INFO(rates.tick_Hz << " Hz, positions at " << rates.device_Hz << " Hz, " << 1e3 * rates.age_s << " ms old: drags with " << other.mean(0.6, 0.7).transpose() << " N, at 1 kHz "
+                           << usual.mean(0.6, 0.7).transpose() << ", rests with " << other.mean(1.4, 2).transpose() << " N, at 1 kHz " << usual.mean(1.4, 2).transpose() << "; steepest " << other.steepest(0.55, 0.78));
+        // between two positions the tool stands, tissue comes after it, and friction is less: by a quarter at 100 Hz
+        CHECK((other.mean(0.6, 0.7) - usual.mean(0.6, 0.7)).norm() < (rates.device_Hz > 0 ? 0.08 : 0.01) * usual.mean(0.6, 0.7).norm());
+        CHECK((other.mean(1.4, 2) - usual.mean(1.4, 2)).norm() < (rates.device_Hz > 0 ? 0.03 : 0.015) * usual.mean(1.4, 2).norm());
+        CHECK(other.steepest(0.55, 0.78) < 1.15 * usual.steepest(0.55, 0.78));
+    }
+}
+
+TEST_CASE("a hand that rubs is given nothing at any rate, and friction is booked no more than it puts in", "[friction][long]") {
+    for (const auto& [mu, rub_Hz] : {std::pair{0.1, 4.0}, {0.3, 8.0}}) {
+        const HapticModel model(law_example(), rubbed(mu));
+        const auto rub = [f = rub_Hz](double t) { return Eigen::Vector2d(0.05 + (t > 0.5 ? 0.005 * std::sin(2 * M_PI * f * (t - 0.5)) : 0), 0.1 - 0.004 * std::min(1.0, t / 0.3)); };
+        const Run usual = run(model, {}, 2.5, rub, 0.5);
+        for (const double rate_Hz : {1000.0, 330.0, 200.0, 100.0, 50.0}) {
+            const Run other = run(model, {rate_Hz}, 2.5, rub, 0.5);
+            INFO("mu " << mu << ", " << rub_Hz << " Hz, ticks at " << rate_Hz << " Hz: put in " << 1e3 * other.put_in_J << " mJ, at 1 kHz " << 1e3 * usual.put_in_J << ", booked " << 1e3 * other.friction_J);
+            // a force that is held for a tick, and follows the hand by one, turns round one and a half later
+            const double late = std::cos(2 * M_PI * rub_Hz * 1.5 / rate_Hz);
+            CHECK(other.put_in_J > 0.9 * late * usual.put_in_J);
+            CHECK(other.put_in_J < 1.05 * usual.put_in_J);
+            CHECK(other.friction_J > 0.5 * usual.put_in_J);
+            CHECK(other.friction_J < 1.05 * usual.put_in_J);
+        }
+    }
+}
+
+TEST_CASE("after a stall while it drags the tool feels friction the way that it goes", "[friction]") {
+    const HapticModel model(law_example(), rubbed(0.3));
+    for (const double stall_s : {0.003, 0.005, 0.01, 0.02, 0.15}) {
+        const Run stalled = run(model, {1000, 0, 0, 0.65, stall_s}, 0.9, [](double t) { return Eigen::Vector2d(0.03 + 0.1 * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); });
+        for (std::size_t k = 0; k < stalled.time_s.size(); ++k) {
+            if (stalled.time_s[k] < 0.6) continue;
+            const Point& force_N = stalled.force_N[k];
+            INFO("stall of " << 1e3 * stall_s << " ms, at " << stalled.time_s[k] << " s: " << force_N.transpose() << " N");
+            CHECK(force_N.x() > (stall_s < 0.1 ? 0 : 0.1 * force_N.y()));
+            CHECK(force_N.x() < 0.4 * -force_N.y());
+        }
+    }
+}
+
+TEST_CASE("a contact that breaks loose feels the kinetic mu from then on, and is not pushed on", "[friction]") {
+    for (const auto& [stick, slip] : {std::pair{0.6, 0.1}, {0.4, 0.2}})
+        for (const double speed_m_s : {0.02, 0.05}) {
+            const HapticModel model(law_example(), rubbed(stick, slip));
+            const Run loose = run(model, {}, 0.5 + 0.035 / speed_m_s, [v = speed_m_s](double t) { return Eigen::Vector2d(0.04 + v * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); });
+            double most = 0, least = 1, last = 0;
+            int after = 0;  // ticks since it broke loose
+            for (std::size_t k = 0; k < loose.time_s.size(); ++k) {
+                if (loose.time_s[k] < 0.51) continue;
+                const double share = loose.force_N[k].x() / -loose.force_N[k].y();
+                INFO("mu " << stick << " and " << slip << ", " << speed_m_s << " m/s, at " << loose.time_s[k] << " s: " << loose.force_N[k].transpose() << " N");
+                if (after > 0 ? ++after < 6 : most > 0.8 * stick && share < 0.8 * last) CHECK(share > 0);
+                if (after == 0 && most > 0.8 * stick && share < 0.8 * last) after = 1;
+                CHECK(share > -0.5 * stick);  // tissue that is let go of swings past where it rests
+                most = std::max(most, last = share);
+                if (after > 0) least = std::min(least, share);
+            }
+            CHECK(after > 0);
+            CHECK(most == Approx(stick).epsilon(0.1));
+            CHECK(least < 1.3 * slip);
+        }
+}
+
+TEST_CASE("a tool that lifts as it slips feels at a slow host what it does at 1 kHz", "[friction]") {
+    const HapticModel model(law_example(), rubbed(0.2));
+    const auto steepest = [&](double rate_Hz) {  // largest share of the force that goes along, in means over 20 ms
+        Simulation s(model);
+        DeviceSample sample;
+        double most = 0;
+        Point sum = Point::Zero(2);
+        double begin_s = 0;
+        for (double time = 0; time < 0.6; time += 1 / rate_Hz) {
+            const double deep_m = time < 0.2 ? 0.0035 * time / 0.2 : time < 0.4 ? 0.0035 : 0.0035 - 0.055 * (time - 0.4);
+            sample.position_m = {0.03 + 0.12 * std::max(0.0, time - 0.2), 0.1005 - deep_m, 0};
+            s.tick(sample, 1 / rate_Hz);
+            sum -= s.record().coupling_N / rate_Hz;
+            if (time - begin_s < 0.0199) continue;
+            if (time > 0.25 && sum.norm() > 0.02 * 0.1) most = std::max(most, std::abs(sum.x()) / sum.norm());
+            sum.setZero();
+            begin_s = time;
+        }
+        return most;
+    };
+    const double usual = steepest(1000);
+    for (const double rate_Hz : {50.0, 100.0, 200.0}) {
+        INFO(rate_Hz << " Hz");
+        CHECK(steepest(rate_Hz) < 1.5 * usual + 0.1);
+    }
+}
+
+}  // namespace tissue
