@@ -15,22 +15,22 @@ LABELS = {
     "one_set": "one learned set for all cases",
 }
 DRAWN = {  # studies judged on drawn contacts, and what RESULTS.md calls their models
-    "surface": "**law**, plane strain (`surface`)",
-    "surface-quick": "law, half a minute (`surface-quick`)",
-    "surface-sets": "spring sets, the nearest serves (`surface-sets`)",
-    "surface-stress": "law, plane stress (`surface-stress`)",
-    "organ": "law, an organ's section (`organ`)",
-    "organ-lump": "law, its lump five times as stiff (`organ-lump`)",
+    "surface": "**energy model**, plane strain (`surface`)",
+    "surface-quick": "energy model, trained in half a minute (`surface-quick`)",
+    "surface-sets": "spring sets, the nearest one is used (`surface-sets`)",
+    "surface-stress": "energy model, plane stress (`surface-stress`)",
+    "organ": "energy model, section of an organ (`organ`)",
+    "organ-lump": "energy model, with an inclusion five times as stiff (`organ-lump`)",
 }
 SPACE = {  # models of solids, and what RESULTS.md calls them
-    ("block3", "learned"): "**learned law**, {numbers} numbers, {paths} FE paths (`block3`)",
-    ("block3-quick", "learned"): "law, {numbers} numbers, {paths} FE paths (`block3-quick`, its own contacts)",
-    ("nodule3", "learned"): "law, {numbers} numbers, {paths} FE paths, a nodule in the block (`nodule3`, its own contacts)",
-    ("organ3", "learned"): "law, {numbers} numbers, {paths} FE paths, a solid of any shape (`organ3`, its own contacts)",
-    ("block3", "untrained"): "`block3`'s law, nothing learned",
+    ("block3", "learned"): "**energy model**, {numbers} parameters, {paths} FE paths (`block3`)",
+    ("block3-quick", "learned"): "energy model, {numbers} parameters, {paths} FE paths (`block3-quick`, its own contacts)",
+    ("nodule3", "learned"): "energy model, {numbers} parameters, {paths} FE paths, block with an inclusion (`nodule3`, its own contacts)",
+    ("organ3", "learned"): "energy model, {numbers} parameters, {paths} FE paths, a solid of any shape (`organ3`, its own contacts)",
+    ("block3", "untrained"): "`block3`'s model before training",
     ("block3", "force_table"): "FE force table",
-    ("block3", "heuristic_a_patch"): "heuristic, E2 = E, without cells, under the untrained law's contact",
-    ("block3", "uniform_patch"): "one stiffness, likewise",
+    ("block3", "heuristic_a_patch"): "heuristic, E2 = E, without cells, under the contact of the untrained model",
+    ("block3", "uniform_patch"): "one stiffness, the same contact",
 }
 RELAXING = {  # studies judged on histories, and what RESULTS.md calls them
     "relax": "the block (`relax`)",
@@ -97,7 +97,7 @@ def seconds(value):
 
 
 def results_table(evaluation):
-    rows = ["| model | rel_loss (9) | resolved force | closed loop | its shape |", "|---|---|---|---|---|"]
+    rows = ["| model | rel_loss (9) | resolved force | indentation error of force | of displacement |", "|---|---|---|---|---|"]
     for model, errors in evaluation["open_loop"].items():
         rows.append(f"| {LABELS.get(model, model)} | {three(errors['rel_loss'])} | "
                     f"{three(errors['resolved_force_error'])} | {three(evaluation['closed_loop']['trained'][model])} | "
@@ -107,7 +107,7 @@ def results_table(evaluation):
 
 def studies_table(evaluations):
     rows = ["| spring mesh | heuristic rel_loss | certified optimum | gap of `spsa`, max | gap of `spsa-2008`, median | "
-            "closed loop, learned | its shape | closed loop, best baseline | its shape |",
+            "indentation error of force, trained | of displacement | of force, best baseline | of displacement |",
             "|---|---|---|---|---|---|---|---|---|"]
     for study, e in evaluations.items():
         closed = e["closed_loop"]["trained"]
@@ -131,23 +131,23 @@ def roles_of(e, model):
 
 def surface_table(e, sets):
     """The models of study surface, and what spring sets make of the same training contacts."""
-    names = {"learned": "**learned law**", "untrained": "the same law, nothing learned", "force_table": "FE force table",
-             "heuristic_a_patch": "heuristic, E2 = E t, without cells, under the law's contact",
-             "uniform_patch": "one stiffness, likewise",
+    names = {"learned": "**energy model**", "untrained": "the same before training", "force_table": "FE force table",
+             "heuristic_a_patch": "heuristic, E2 = E t, without cells, under the contact of the model",
+             "uniform_patch": "one stiffness, the same contact",
              "heuristic_a": "heuristic, E2 = E t, two-node contact", "uniform": "one stiffness, two-node contact"}
-    rows = ["| model | held_out: force | held_out: shape | held_out_full: force | held_out_full: shape |",
+    rows = ["| model | held_out: force | held_out: displacement | held_out_full: force | held_out_full: displacement |",
             "|---|---|---|---|---|"]
     for model, name in names.items():
         rows.append(f"| {name} | {roles_of(e, model)} |")
         if model == "untrained":
-            rows.append(f"| spring sets, the nearest serves (`surface-sets`) | {roles_of(sets, 'learned')} |")
+            rows.append(f"| spring sets, the nearest one is used (`surface-sets`) | {roles_of(sets, 'learned')} |")
     rows.append("| the reference, finer mesh | " + three(e["truth_check"]) + " | | | |")
     return rows
 
 
 def drawn_table(evaluations):
-    rows = ["| model | numbers | FE paths | training | held_out: force | held_out: shape | held_out_full: force | "
-            "held_out_full: shape |", "|---|---|---|---|---|---|---|---|"]
+    rows = ["| model | parameters | FE paths | training | held_out: force | held_out: displacement | held_out_full: force | "
+            "held_out_full: displacement |", "|---|---|---|---|---|---|---|---|"]
     for study, name in DRAWN.items():
         e = evaluations[study]
         t = e["training"]
@@ -158,7 +158,7 @@ def drawn_table(evaluations):
 
 
 def space_table(evaluations):
-    rows = ["| model | training | " + " | ".join(f"{role}: force | shape" for role in SPACE_ROLES) + " |",
+    rows = ["| model | training | " + " | ".join(f"{role}: force | displacement" for role in SPACE_ROLES) + " |",
             "|---|---|" + "---|---|" * len(SPACE_ROLES)]
     for (study, model), name in SPACE.items():
         e = evaluations[study]
@@ -174,7 +174,7 @@ def space_table(evaluations):
 def tools_table(e):
     """Study block3-tools: the law by the radius of the disc that pressed; no test contact's disc was trained."""
     of_disc = {role: {entry["radius_m"]: entry for entry in e["by_radius"][role]} for role in SPACE_ROLES}
-    rows = ["| disc | " + " | ".join(f"{role}: force | shape" for role in SPACE_ROLES) + " |", "|---|" + "---|---|" * len(SPACE_ROLES)]
+    rows = ["| disc | " + " | ".join(f"{role}: force | displacement" for role in SPACE_ROLES) + " |", "|---|" + "---|---|" * len(SPACE_ROLES)]
 
     def row(name, models, model):
         return f"| {name} | " + " | ".join(f"{three(m[model])} | {shape(m[model])}" if m else " | " for m in models) + " |"
@@ -183,7 +183,7 @@ def tools_table(e):
         rows.append(row(f"{1e3 * radius_m:g} mm", [of_disc[role].get(radius_m) for role in SPACE_ROLES], "learned"))
     every = [e["closed_loop"][role] for role in SPACE_ROLES]
     return rows + [row(name, every, model) for name, model in
-                   (("all of them", "learned"), ("all, nothing learned", "untrained"), ("all, heuristic, E2 = E, under the untrained law's contact", "heuristic_a_patch"))]
+                   (("all of them", "learned"), ("all, before training", "untrained"), ("all, heuristic, E2 = E, under the contact of the untrained model", "heuristic_a_patch"))]
 
 
 def nodule_table(e):
@@ -201,8 +201,8 @@ def nodule_table(e):
 
     learned = contrast["learned"]
 
-    return [f"| straight in, {1e3 * e['map']['depth_m']:g} mm | finite elements | learned law |", "|---|---|---|",
-            row("over the nodule's middle", [contrast["over_m"]]), row("far from it", contrast["far_m"]),
+    return [f"| straight in, {1e3 * e['map']['depth_m']:g} mm | finite elements | energy model |", "|---|---|---|",
+            row("above the middle of the inclusion", [contrast["over_m"]]), row("far from it", contrast["far_m"]),
             f"| contrast | {contrast['fe']:.3f} | {'none' if learned is None else format(learned, '.3f')} |"]
 
 
@@ -212,10 +212,10 @@ def beside(statistics, learned):
 
 
 def relaxing_table(evaluations):
-    """Each group of histories of the studies that relax: what the law is off, and what else there could be, in the median."""
+    """Each group of histories of the studies that relax: errors of the model and of baselines, median."""
     others = {"long_term": "long-term", "instantaneous": "instantaneous", "best_factor": "best factor", "kelvin_voigt": "Kelvin-Voigt",
-              "one_branch": "one branch", "prony": "FE's elastic force through the branches"}
-    rows = ["| histories | n of N | learned law, rms | largest error | its own, elastic beside elastic FE | " + " | ".join(others.values()) + " |",
+              "one_branch": "one branch", "prony": "FE force without relaxation, through the Prony series"}
+    rows = ["| histories | n of N | model, rms | largest error | without relaxation in both, rms | " + " | ".join(others.values()) + " |",
             "|---|---|---|---|---|" + "---|" * len(others)]
 
     for study, name in RELAXING.items():
@@ -230,7 +230,7 @@ def relaxing_table(evaluations):
 
 
 def ablation_table(variants, roles):
-    rows = ["| numbers | FE paths | training | " + " | ".join(f"{role}: force | {role}: shape" for role in roles) + " |",
+    rows = ["| parameters | FE paths | training | " + " | ".join(f"{role}: force | {role}: displacement" for role in roles) + " |",
             "|---|---|---|" + "---|---|" * len(roles)]
     for v in sorted(variants, key=lambda v: (v["fe_paths"], v["numbers"])):
         cells = [f"{three(v[role]['learned'])} | {shape(v[role]['learned'])}" for role in roles]
@@ -239,14 +239,14 @@ def ablation_table(variants, roles):
 
 
 def measured_table(e):
-    names = {"learned": "learned law", "force_table": "force table, interpolated", "heuristic_a": "heuristic, E2 = E t",
+    names = {"learned": "energy model", "force_table": "force table, interpolated", "heuristic_a": "heuristic, E2 = E t",
              "heuristic_b": "heuristic, E2 = (C1 + C2) t", "uniform": "one stiffness", "repeat": "the same push measured again"}
-    rows = ["| model | held-out rows |", "|---|---|"]
+    rows = ["| model | rows of the test set |", "|---|---|"]
     return rows + [f"| {name} | {three(e['closed_loop']['held_out'][model])} |" for model, name in names.items()]
 
 
 def measured_histories_table(e):
-    models = {"learned": "learned law", "long_term": "long-term", "instantaneous": "instantaneous", "best_factor": "elastic, best factor",
+    models = {"learned": "energy model", "long_term": "long-term", "instantaneous": "instantaneous", "best_factor": "elastic, best factor",
               "kelvin_voigt": "Kelvin-Voigt", "one_branch": "one branch"}
     rows = ["| histories | " + " | ".join(models.values()) + " |", "|---|" + "---|" * len(models)]
 
@@ -268,7 +268,7 @@ def claim(e):
             f"{ratio('learned_spsa_2008', 'resolved_force_error'):.1f} times |",
             f"| `spsa`, ours | {ratio('learned', 'rel_loss'):.1f} times | "
             f"{ratio('learned', 'resolved_force_error'):.1f} times |",
-            f"| the best there is, certified | {ratio('optimum', 'rel_loss'):.1f} times | "
+            f"| certified optimum | {ratio('optimum', 'rel_loss'):.1f} times | "
             f"{ratio('optimum', 'resolved_force_error'):.1f} times |"]
 
 

@@ -15,8 +15,8 @@ namespace {
 
 /// Under every table: how missing answers count (eval/statistics.h).
 constexpr const char* rule =
-    "*n of N*: of all N that were asked for, those with an error. A model without an answer there has an infinite one: quantiles that fall on it are "
-    "`none`. Where the reference has no answer no error is defined: such contacts are in no quantile, but in N.";
+    "*n of N*: n of all N cases have an error. A model without an answer has an infinite error; a quantile that falls on it is "
+    "`none`. Where the reference has no answer no error is defined: such a case is in N and in no quantile.";
 
 std::string summary(const Statistics& s) {
     return s.n == 0 ? "none" : fmt::format("{} / {} / {}", percent(s.median), percent(s.p95), percent(s.max));
@@ -49,7 +49,7 @@ std::string counted(const std::vector<std::string>& status) {
 std::string broken_markdown(const Evaluation& e) {
     const Endings endings = e.law_book ? endings_of(*e.law_book) : endings_of(e.problems, e.trained, e.optimum);
     if (endings.broken.empty()) return "";
-    std::string out = "**Not all of the training ended as it promises** (what each word means: results/FORMATS.md):\n\n";
+    std::string out = "**Part of the training did not converge** (results/FORMATS.md defines each status):\n\n";
     for (const std::string& line : endings.broken) out += "- " + line + "\n";
     return out + "\n";
 }
@@ -58,51 +58,50 @@ std::string measurement_markdown(const Evaluation& e) {
     if (!e.measurement) return "";
     const Measurement& m = *e.measurement;
     std::string out = fmt::format("## The data\n\n> {}\n\n{} rows at {} contacts. Noise of one component ({}): {} of the force",
-                                  m.origin.empty() ? "The file says nothing of its origin." : m.origin, m.rows, m.contacts,
+                                  m.origin.empty() ? "The file does not state its origin." : m.origin, m.rows, m.contacts,
                                   m.noise_source == "repeats" ? fmt::format("from repeats, {} degrees of freedom", m.repeats)
                                                               : m.noise_source,
                                   m.noise_source == "unknown" ? "none known" : percent(m.force_noise));
     if (m.noise_source == "repeats") out += fmt::format(", {:.3f} mm", 1e3 * m.displacement_noise_m);
-    out += ". `repeat` is what the other repeats of the same push say of a row: about what a perfect model would leave. ";
+    out += ". `repeat` predicts a row by the other repeats of the same push: about the error that a perfect model would have. ";
     out += m.outliers.empty() ? "No row is an outlier.\n\n" : "Outliers, all kept:\n\n";
     for (const std::string& line : m.outliers) out += "- " + line + "\n";
     return out + (m.outliers.empty() ? "" : "\n");
 }
 
 std::string no_answer_markdown(const std::string& model, const std::string& reasons) {
-    return reasons.empty() ? "" : fmt::format("\nNo closed-loop answer of {}: {}.\n", model, reasons);
+    return reasons.empty() ? "" : fmt::format("\nNo answer of {}: {}.\n", model, reasons);
 }
 
-constexpr const char* shape_head = " shape: median / p95 / max | largest node error over depth: median / p95 / max | n of N |";
+constexpr const char* shape_head = " displacement: median / p95 / max | largest node error over depth: median / p95 / max | n of N |";
 
 std::string shape_words(bool solid) {
-    return fmt::format("*Shape*: rms over the free nodes{} of u - u_fe, over the rms of u_fe: what an eye sees where a hand feels the force.{}",
-                       solid ? " of the surface" : "",
-                       solid ? " Under the disc u is what the disc imposes, (1 - (r/R)^2 / 2) d, in FE as here, so that nodes there have no error; from its rim to 2.5 R "
-                               "it goes over to the lattice's own, for every law here (lib/springs/skin.h)." : "");
+    return fmt::format("*Displacement*: rms over the free nodes{} of u - u_fe, over the rms of u_fe.{}", solid ? " of the surface" : "",
+                       solid ? " Under the disc u is what the disc imposes, (1 - (r/R)^2 / 2) d, in FE as here, so nodes there have no error; from its rim to 2.5 R "
+                               "it passes over to that of the lattice, for every energy model here (lib/springs/skin.h)." : "");
 }
 
 /// What the roles of a solid's contacts are, and its models, before the tables that name them.
 std::string solid_words(const HeldOut& h) {
-    constexpr const char* roles[][2] = {{"validation", "served every choice that was made on the way, so its errors flatter"},
-                                        {"held_out", "served none, and proves: places, tilts and depths drawn as for `validation`"},
-                                        {"held_out_near", "nearer to a wall or a corner than those"},
-                                        {"held_out_sideways", "pushed along the top, not into it"}};
+    constexpr const char* roles[][2] = {{"validation", "used for choices during development, so its errors are too low"},
+                                        {"held_out", "the test set: used for no choice; places, tilts and depths drawn as for `validation`"},
+                                        {"held_out_near", "of the test set, nearer to a wall or a corner than those"},
+                                        {"held_out_sideways", "of the test set, pushed along the top instead of into it"}};
     constexpr const char* models[][2] = {
-        {"learned", "the law"},
-        {"force_table", "no springs but the finite elements' own forces at the trained contacts, interpolated"},
-        {"untrained", "the law before anything is learned: every constant its heuristic"},
-        {"heuristic_a_patch", "Van Gelder's springs (7) with E, without cells that keep their volume, under the untrained law's contact"},
+        {"learned", "the trained energy model"},
+        {"force_table", "a table of FE forces at the training contacts, interpolated; no springs"},
+        {"untrained", "the energy model before training: every constant is its heuristic"},
+        {"heuristic_a_patch", "Van Gelder's springs (7) with E, without cells that keep their volume, under the contact of the untrained model"},
         {"heuristic_b_patch", "the same with C1 + C2 in place of E"},
-        {"uniform_patch", "the same springs, all of the one stiffness that is best at the trained contacts"}};
-    std::string out = "## What the tables compare\n\n";
+        {"uniform_patch", "the same springs, all of one stiffness, the best at the training contacts"}};
+    std::string out = "## Contacts and models of the tables\n\n";
     for (const auto& [role, words] : roles)
         if (h.role(role)) out += fmt::format("- contacts of `{}`: {}\n", role, words);
     std::set<double> heights_m;  // one of a block's top
     for (const DrawnContacts& role : h.roles)
         for (const DrawnContact& c : role.contacts) heights_m.insert(c.contact_m[2]);
-    out += fmt::format("\n{} of the tissue is what is pressed; *tilt* is the push's angle off straight in. The models:\n\n",
-                       heights_m.size() < 2 ? "The top" : "The free surface");
+    out += fmt::format("\nTools press {} of the tissue; *tilt* is the angle between push and inward normal. The models:\n\n",
+                       heights_m.size() < 2 ? "the top" : "the free surface");
     for (const auto& [model, words] : models)
         if (std::find(h.models.begin(), h.models.end(), model) != h.models.end()) out += fmt::format("- model `{}`: {}\n", model, words);
     return out + "\n";
@@ -152,15 +151,15 @@ std::string by_place_markdown(const DrawnContacts& role, const std::string& mode
     thirds("thickness", &DrawnContact::thickness_m);
     thirds("distance from the free surface's edge", &DrawnContact::clearance_m);
     if (out.empty()) return "";
-    const std::string lost = role.lost.empty() ? "" : fmt::format("; the {} that finite elements lost are in no third", role.lost.size());
-    return fmt::format("\nOf `{}`, by the disc's radius where there are several, and by thirds of the contacts (thickness of the tissue straight in, at rest; edge: where the free surface ends, as at what is held, or turns by more than 45 degrees{}):\n\n"
-                       "| contacts | force: median / p95 / max | n of N | shape: median / p95 / max | n of N |\n|---|---|---|---|---|\n", model, lost) + out;
+    const std::string lost = role.lost.empty() ? "" : fmt::format("; the {} without an FE reference are in no third", role.lost.size());
+    return fmt::format("\nErrors of `{}` by radius of the disc, where there are several, and by thirds of the contacts (thickness: of the tissue along the inward normal, at rest; edge: where the free surface ends, for example at fixed parts, or turns by more than 45 degrees{}):\n\n"
+                       "| contacts | force: median / p95 / max | n of N | displacement: median / p95 / max | n of N |\n|---|---|---|---|---|\n", model, lost) + out;
 }
 
 std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
     std::string out = solid ? solid_words(h) : "";
     for (const DrawnContacts& role : h.roles) {
-        out += fmt::format("## Contacts of `{}`: closed-loop error\n\n| model | median | p95 | max | n of N |", role.role);
+        out += fmt::format("## Contacts of `{}`: indentation error of force\n\n| model | median | p95 | max | n of N |", role.role);
         out += measured ? "\n|---|---|---|---|---|\n" : fmt::format("{}\n|---|---|---|---|---|---|---|---|\n", shape_head);
         for (std::size_t m = 0; m < h.models.size(); ++m) {
             const ContactStatistics s = role.statistics(m);
@@ -170,13 +169,13 @@ std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
         }
         for (std::size_t m = 0; m < h.models.size(); ++m) out += no_answer_markdown(h.models[m], role.statistics(m).reasons);
         for (const DrawnContact& c : role.contacts)
-            if (!answered(c)) out += fmt::format("\nNone of {} at {}.\n", h.models[0], c.name);
+            if (!answered(c)) out += fmt::format("\nNo answer of {} at {}.\n", h.models[0], c.name);
         int extrapolated = 0;
         for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
-        out += fmt::format("\n{} {} were drawn, {} of them without a reference; {} lie outside what was trained on. {}", role.drawn(),
+        out += fmt::format("\n{} {} were drawn, {} of them without an FE reference; {} lie outside the range of the training. {}", role.drawn(),
                            measured ? "rows" : "contacts", role.lost.size(), extrapolated, rule);
         if (!measured) out += " " + shape_words(solid);
-        out += measured ? "\n" : fmt::format(" FE lost {}{}\n", role.lost.size(), role.lost.empty() ? "." : ":");
+        out += measured ? "\n" : fmt::format(" Without an FE reference: {}{}\n", role.lost.size(), role.lost.empty() ? "." : ":");
         for (const std::string& lost : role.lost) out += "- " + lost + "\n";
         if (solid && !measured) out += by_place_markdown(role, h.models[0]);
         std::vector<const DrawnContact*> worst;
@@ -185,7 +184,7 @@ std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
         std::sort(worst.begin(), worst.end(),
                   [](const auto* a, const auto* b) { return *a->error[0].force > *b->error[0].force; });
         out += fmt::format("\nThe worst ten:\n\n| contact |{} depth mm | force N | error |{}\n|{}---|---|---|---|---|---|{}\n", place_head(solid),
-                           measured ? "" : " shape |", solid ? "---|" : "", measured ? "" : "---|");
+                           measured ? "" : " displacement error |", solid ? "---|" : "", measured ? "" : "---|");
         for (std::size_t i = 0; i < std::min<std::size_t>(10, worst.size()); ++i)
             out += fmt::format("| {} |{} {:.2f} | {:.3f} | {} |{}\n", worst[i]->name, place_cells(*worst[i], solid),
                                1e3 * worst[i]->depth_m, worst[i]->fe_force_N.norm(),
@@ -205,7 +204,7 @@ std::string two_tools_markdown(const TwoTools& two) {
             out += fmt::format("| {} | {} | {} | {} | {} |\n", two.models[m], percent(s.median), percent(s.p95), percent(s.max), n_of_N(s));
         }
         for (std::size_t m = 0; m < two.models.size(); ++m) out += no_answer_markdown(two.models[m], role.statistics(m).reasons);
-        out += fmt::format("\n`learned`: the law pressed by both discs at once. `alone`: the same law pressed by each disc as if the other were not there. N is two forces a pair. {} FE lost {} of them{}\n",
+        out += fmt::format("\n`learned`: both discs press the model at once. `alone`: each disc presses it without the other. N counts two forces a pair. {} Pairs without an FE reference: {}{}\n",
                            rule, role.lost.size(), role.lost.empty() ? "." : ":");
         for (const std::string& lost : role.lost) out += "- " + lost + "\n";
         std::vector<const PressedPair*> nearest;
@@ -233,7 +232,7 @@ std::string two_tools_markdown(const TwoTools& two) {
 std::string truth_markdown(const TruthCheck& truth) {
     if (truth.empty()) return "";
     std::string out = fmt::format(
-        "## The truth's own error\n\nForces of the finite elements differ from those on the study's finer mesh by {} "
+        "## Discretisation error of the FE reference\n\nForces of the finite elements differ from those on the study's finer mesh by {} "
         "(median / p95 / max, {}).", summary(truth.difference), n_of_N(truth.difference, "pushes"));
     if (!truth.lost.empty()) out += " On the finer mesh these pushes end early:\n";
     for (const std::string& lost : truth.lost) out += "\n- " + lost;
@@ -244,13 +243,13 @@ std::string truth_markdown(const TruthCheck& truth) {
 
 std::string map_markdown(const ForceMap& map) {
     if (map.empty()) return "";
-    std::string out = fmt::format("## The map of force\n\n{} straight pushes of {:g} mm over the top, none of them a load case of the training.",
+    std::string out = fmt::format("## Force map\n\n{} straight pushes of {:g} mm over the top, none of them a load case of the training.",
                                   map.places.size() + map.lost.size(), 1e3 * map.depth_m);
-    out += fmt::format(" The law's force is wrong by {} (median / p95 / max, {}).", summary(map.error()), n_of_N(map.error(), "places"));
+    out += fmt::format(" Force error of the model: {} (median / p95 / max, {}).", summary(map.error()), n_of_N(map.error(), "places"));
     if (const auto& c = map.contrast)
-        out += fmt::format(" Over the nodule's middle it is {:.3f} times that far from it in finite elements, {} in the law.", c->fe,
+        out += fmt::format(" Above the middle of the inclusion the force is {:.3f} times the force far from it in finite elements, and {} times in the model.", c->fe,
                            c->learned ? fmt::format("{:.3f}", *c->learned) : "not known");
-    if (!map.lost.empty()) out += fmt::format(" FE lost {}:\n", map.lost.size());
+    if (!map.lost.empty()) out += fmt::format(" Without an FE reference: {}:\n", map.lost.size());
     for (const std::string& lost : map.lost) out += "\n- " + lost;
     return out + "\n\n";
 }
@@ -259,19 +258,19 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
     if (h.empty()) return "";
     const bool has_elastic = h.elastic_rms("").n + h.elastic_rms("").missing > 0;
     const std::string where =
-        measured ? fmt::format("Histories at contacts that no history was fitted at; {} of {} stand within 2 mm of a push that the law was trained on", h.near_training, h.answers.size())
-                 : "Histories at contacts that nothing was trained on";
+        measured ? fmt::format("Displacement histories at contacts where no history was fitted; {} of {} are within 2 mm of a training push", h.near_training, h.answers.size())
+                 : "Displacement histories at contacts of no training path";
     std::string out = fmt::format(
-        "## Force over time\n\n{}: the tool is held where the history has it, and the model plays tick by "
-        "tick, with the mass of its nodes, beside {}. *rms*: of the force's error over time, over that of the "
+        "## Force over time\n\n{}: the tool follows the history, the model advances tick by "
+        "tick with the mass of its nodes, and its force is compared with {}. *rms*: of the force error over time, over that of the "
         "force. *peak*: the largest error over the largest force. Median / p95 / max.\n\n"
         "| histories | n of N | learned, rms | learned, peak |{}\n|---|---|---|---|{}\n",
-        where, measured ? "what was measured, its noise included" : "finite elements that relax and have mass",
-        has_elastic ? " the law's own: without relaxation, beside FE without, rms | n of N |" : "", has_elastic ? "---|---|" : "");
+        where, measured ? "the measured force, noise included" : "finite elements that relax and have mass",
+        has_elastic ? " without relaxation, in model and FE: rms | n of N |" : "", has_elastic ? "---|---|" : "");
     std::vector<std::string> groups = h.groups();
     if (groups.size() > 1) groups.emplace_back();
     if (h.models.empty()) {  // FE lost all of them
-        out = fmt::format("## Force over time\n\nFE lost all {} histories:\n", h.lost.size());
+        out = fmt::format("## Force over time\n\nNone of the {} histories has an FE reference:\n", h.lost.size());
         for (const std::string& lost : h.lost) out += "\n- " + lost;
         return out + "\n\n";
     }
@@ -279,11 +278,11 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
         out += fmt::format("| {} | {} | {} | {} |{}\n", group.empty() ? "all" : group, n_of_N(h.rms(0, group)), summary(h.rms(0, group)), summary(h.peak(0, group)),
                            has_elastic ? fmt::format(" {} | {} |", summary(h.elastic_rms(group)), n_of_N(h.elastic_rms(group))) : "");
     out += fmt::format(
-        "\n{}\n\nWhat else there could be, rms, median / p95 / max (n of N). `long_term` and `instantaneous`: the law without branches, as it is after long and at once; "
-        "`best_factor`: {:.3g} times the latter, the elastic springs that come nearest; `kelvin_voigt`: {:.3g} F + {:.3g} s dF/dt of it; `one_branch`: a "
-        "share of {:.3g} that relaxes in {:.3g} s. These three are fitted to {}, which flatters them.{}\n\n| histories |",
-        rule, h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1], h.fitted_to_all ? "all of these very histories that have an answer" : "those of these very histories in which mass does not matter",
-        has_elastic ? " `prony`: no springs but the finite elements' own force without relaxation, through the material's branches." : "");
+        "\n{}\n\nBaselines, rms, median / p95 / max (n of N). `long_term` and `instantaneous`: the model without relaxation, with its long-term or instantaneous moduli; "
+        "`best_factor`: {:.3g} times the latter, the best elastic model; `kelvin_voigt`: {:.3g} F + {:.3g} s dF/dt of it; `one_branch`: one Maxwell branch, "
+        "relative modulus {:.3g}, relaxation time {:.3g} s. These three are fitted to {}, so their errors are too low.{}\n\n| histories |",
+        rule, h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1], h.fitted_to_all ? "these histories, all that have an answer" : "those of these histories in which mass does not matter",
+        has_elastic ? " `prony`: the FE force without relaxation, through the Prony series of the material; no springs." : "");
     const std::size_t models = h.models.size() - (has_elastic ? 0 : 1);  // prony, the last, has nothing to go by
     for (std::size_t m = 0; m < models; ++m) out += fmt::format(" {} |", h.models[m]);
     out += "\n|---|";
@@ -292,7 +291,7 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
         out += fmt::format("\n| {} |", group.empty() ? "all" : group);
         for (std::size_t m = 0; m < models; ++m) out += fmt::format(" {} ({}) |", summary(h.rms(m, group)), n_of_N(h.rms(m, group)));
     }
-    if (!h.lost.empty()) out += fmt::format("\n\nFE lost {}:\n", h.lost.size());
+    if (!h.lost.empty()) out += fmt::format("\n\nWithout an FE reference: {}:\n", h.lost.size());
     for (const std::string& lost : h.lost) out += "\n- " + lost;
     return out + "\n\n";
 }
@@ -312,20 +311,20 @@ std::string factor_of(const std::string& term, double p, bool starts_below_cap) 
 }
 
 std::string law_markdown(const LawModel& law, const LawBook& book, bool measured) {
-    const std::string errors = measured ? "force errors, in their scale" : "force and shape errors, each in its scale";
+    const std::string errors = measured ? "force errors, in their scale" : "force and displacement errors, each in its scale";
     std::string over;
-    if (measured) over = fmt::format(", of {:.3g} times the study's E2, as the forces have it,", book.factor);
+    if (measured) over = fmt::format(", with {:.3g} times the study's E2, fitted to the forces,", book.factor);
     std::string out = fmt::format(
-        "\n## The law\n\n{} numbers from {} {} paths, {} pushes, in {:.1f} s. Objective {:.4g}: the mean square of {}, and "
-        "the ridge. Every constant is its heuristic{} times exp(coefficient x term, summed), those of cells bent below their "
-        "cap; the {} constants that come of it are in model.h5. Terms of the skin, where there are any, are in no constant (lib/springs/skin.h).\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
+        "\n## The energy model\n\n{} parameters from {} {} paths, {} pushes, in {:.1f} s. Objective {:.4g}: the mean square of {}, plus "
+        "the ridge. Every constant is its heuristic{} times exp(sum of coefficient x term); constants of cells stay below their "
+        "cap; the {} constants are in model.h5. Terms of the skin, where there are any, change no constant (lib/springs/skin.h).\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
         law.terms.size(), book.paths, measured ? "measured" : "FE", book.records, book.seconds, book.objective, errors,
         over, law.constants.size());
     for (std::size_t t = 0; t < law.terms.size(); ++t) {
         const double p = law.coefficients[static_cast<Eigen::Index>(t)];
         out += fmt::format("| {} | {:.3f} | {} |\n", law.terms[t], p, factor_of(law.terms[t], p, law.incompressible || law.disc_radius_m > 0));
     }
-    if (book.at_rest) out += "\nWhat was measured is of tissue at rest: forces are compared with what is left of the law after long.\n";
+    if (book.at_rest) out += "\nThe measurements are of tissue at rest: they are compared with the long-term force of the model.\n";
     out += "\n| start | ended | objective | largest derivative | iterations | evaluations |\n|---|---|---|---|---|---|\n";
     for (std::size_t s = 0; s < book.status.size(); ++s) {
         const auto i = static_cast<Eigen::Index>(s);
@@ -335,12 +334,12 @@ std::string law_markdown(const LawModel& law, const LawBook& book, bool measured
     }
     if (book.shares) {
         const LawBook::Shares& s = *book.shares;
-        out += fmt::format("\nBranches fitted to {} measured histories, {}: what is left of their force {} rms, noise included; KKT residual {:.1e}.{}\n", s.histories, s.status,
-                           percent(s.misfit), s.kkt_residual, s.grown > 1 ? fmt::format(" The pushes being of tissue at rest, the law at once is {:.3g} times theirs.", s.grown) : "");
-        out += "\n| share g | time |\n|---|---|\n";
+        out += fmt::format("\nMaxwell branches fitted to {} measured histories, {}: force residual {} rms, noise included; KKT residual {:.1e}.{}\n", s.histories, s.status,
+                           percent(s.misfit), s.kkt_residual, s.grown > 1 ? fmt::format(" The pushes are of tissue at rest, so the instantaneous force is {:.3g} times theirs.", s.grown) : "");
+        out += "\n| relative modulus g | relaxation time |\n|---|---|\n";
         for (int k = 0; k < law.relaxation.branches(); ++k) out += fmt::format("| {:.3f} | {:.3g} s |\n", law.relaxation.contact_share[k], law.relaxation.tau_s[k]);
     }
-    if (!book.lost.empty()) out += "\nPushes trained on that are not held:\n\n";
+    if (!book.lost.empty()) out += "\nTraining pushes without an equilibrium:\n\n";
     for (const std::string& lost : book.lost) out += "- " + lost + "\n";
     return out;
 }
@@ -365,12 +364,11 @@ std::string to_markdown(const Evaluation& e) {
     if (const DrawnContacts* held_out = e.held_out.role("held_out")) {
         const ContactStatistics s = held_out->statistics(0);
         out += fmt::format(
-            "**On contacts it never saw, the learned model's force is wrong by {} in the median, {} at the 95th "
-            "percentile and {} at worst (closed loop, {}){}.**\n\nWritten by `tissuectl eval` {}.\n\n",
-            percent(s.force.median), percent(s.force.p95), percent(s.force.max), n_of_N(s.force, e.measurement ? "rows" : "contacts"), e.measurement ? "" : ", the tissue's shape by " + summary(s.shape), version);
+            "**On the test set the force error of the trained model is {} (median), {} (95th percentile) and {} (largest); {}{}.**\n\nWritten by `tissuectl eval` {}.\n\n",
+            percent(s.force.median), percent(s.force.p95), percent(s.force.max), n_of_N(s.force, e.measurement ? "rows" : "contacts"), e.measurement ? "" : "; displacement error " + summary(s.shape), version);
     } else if (e.law_book) {
-        out += fmt::format("**At the contacts it was trained on, the law's force is wrong by {} and the tissue's shape by {} (median / "
-                           "p95 / max, closed loop, {}).**\n\nWritten by `tissuectl eval` {}.\n\n",
+        out += fmt::format("**At the training contacts the force error of the model is {} and its displacement error {} (median / "
+                           "p95 / max, {}).**\n\nWritten by `tissuectl eval` {}.\n\n",
                            summary(learned.closed_loop().force), summary(learned.closed_loop().shape), n_of_N(learned.closed_loop().force, "load cases"),
                            version);
     } else {
@@ -378,9 +376,8 @@ std::string to_markdown(const Evaluation& e) {
         const double loss_ratio = heuristic.rel_loss().median / learned.rel_loss().median;
         const double force_ratio = heuristic.resolved_error().median / learned.resolved_error().median;
         out += fmt::format(
-        "**Learned springs leave {} of the FE force unexplained in the median of {}; Van Gelder's heuristic "
-        "leaves {}: {:.1f} times as much.** In the resolved force at the loaded node the medians are {} and {}: "
-        "{:.1f} times.\n\n"
+        "**The nodal-force error of the trained springs is {} in the median of {}; that of Van Gelder's heuristic is {}, "
+        "{:.1f} times as much.** Of the resolved force at the loaded node the median errors are {} and {}, a factor of {:.1f}.\n\n"
         "Written by `tissuectl eval` {}.\n\n",
         percent(learned.rel_loss().median), n_of_N(learned.rel_loss(), "load cases"), percent(heuristic.rel_loss().median),
         loss_ratio, percent(learned.resolved_error().median), percent(heuristic.resolved_error().median), force_ratio,
@@ -388,36 +385,36 @@ std::string to_markdown(const Evaluation& e) {
     }
 
     out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + two_tools_markdown(e.two_tools) + map_markdown(e.map) + histories_markdown(e.histories, e.measurement.has_value()) + truth_markdown(e.truth);
-    out += "## Errors at the trained contacts: median / p95 / max\n\n";
+    out += "## Errors at the training contacts: median / p95 / max\n\n";
     if (!e.open_loop()) {
-        out += "| model | closed loop | n of N |\n|---|---|---|\n";
+        out += "| model | indentation error of force | n of N |\n|---|---|---|\n";
         for (const ModelErrors& m : e.models)
             out += fmt::format("| {} | {} | {} |\n", m.name, summary(m.closed_loop().force), n_of_N(m.closed_loop().force));
     } else {
-        out += "| model | rel_loss (9) | resolved force | n of N | closed loop | n of N |\n|---|---|---|---|---|---|\n";
+        out += "| model | rel_loss (9) | resolved force | n of N | indentation error of force | n of N |\n|---|---|---|---|---|---|\n";
         for (const ModelErrors& m : e.models)
             out += fmt::format("| {} | {} | {} | {} | {} | {} |\n", m.name, summary(m.rel_loss()),
                                summary(m.resolved_error()), n_of_N(m.rel_loss()), summary(m.closed_loop().force), n_of_N(m.closed_loop().force));
     }
     out += fmt::format("\n{} N is the number of load cases. ", rule);
     if (e.open_loop())
-        out += "*rel_loss*: L(theta) over the weighted FE force, every node where FE has it. *Resolved force*: along "
+        out += "*rel_loss*: L(theta) over the weighted FE force, with every node at its FE position. *Resolved force*: along "
                "the push, at the loaded node. ";
-    out += "*Closed loop*: the contact held where it was pushed, everything else at equilibrium.";
+    out += "*Indentation error*: the contact is displaced as in FE, the rest of the mesh is in equilibrium.";
     if (!e.lost.empty()) {
-        out += fmt::format(" FE lost {} of the training paths before their end; what came before is trained on:\n\n", e.lost.size());
+        out += fmt::format(" {} of the training paths end early in FE; the training uses the part before:\n\n", e.lost.size());
         for (const std::string& lost : e.lost) out += "- " + lost + "\n";
         out += "\n";
     }
     if (!e.uniform_chosen_on.empty())
         out += fmt::format("{}uniform is {:.4g} N/m, chosen on {}.", e.lost.empty() ? " " : "", e.uniform_N_m,
-                           e.uniform_chosen_on == "closed_loop" ? "the closed-loop error"
-                           : e.uniform_chosen_on == "modulus"   ? "the study's modulus: one stiffness has no closed-loop answer at half of the load cases"
+                           e.uniform_chosen_on == "closed_loop" ? "the indentation error of force"
+                           : e.uniform_chosen_on == "modulus"   ? "the study's modulus: springs of one stiffness have no equilibrium at half of the load cases"
                                                                 : "rel_loss");
     out += "\n";
     for (const ModelErrors& m : e.models) out += no_answer_markdown(m.name, m.closed_loop().reasons);
     if (!e.measurement) {
-        out += fmt::format("\n## Shape at the trained contacts, in closed loop\n\n| model |{}\n|---|---|---|---|\n", shape_head);
+        out += fmt::format("\n## Displacement error at the training contacts\n\n| model |{}\n|---|---|---|---|\n", shape_head);
         for (const ModelErrors& m : e.models) out += fmt::format("| {} |{}\n", m.name, shape_cells(m.closed_loop()));
         out += "\n" + shape_words(solid) + "\n";
     }
@@ -444,15 +441,15 @@ std::string to_markdown(const Evaluation& e) {
                            t.seconds);
     }
     out += fmt::format(
-        "\nThe paper restarted three of its eighteen sets. *Gap*: how far a set's loss is above what is proved to be the "
-        "best in the box, max(L_lb, 5 % of the FE force) as unit. The proof is the exact solution of every set ({:.3f} s "
+        "\nThe paper restarted three of its eighteen sets. *Gap*: loss of a set above its certified optimum in the box, "
+        "in units of max(L_lb, 5 % of the FE force). The certificate is the exact solution of every set ({:.3f} s "
         "for all), whose optimality conditions hold to {:.1e}{}.\n",
         e.optimum.seconds, e.optimum.kkt_residual.maxCoeff(),
         e.optimum.status.empty() ? "" : " (" + counted(e.optimum.status) + ")");
 
     if (!e.listed) return out + figures_markdown({"held_out", "held_out_force", "shape", "contours", "springs"});
     if (std::any_of(e.lower_bound_rel.begin(), e.lower_bound_rel.end(), [](double bound) { return std::isnan(bound); }))
-        out += "\n*L_lb* bounds what was minimised, a ridge or the contact's reaction included, and *L relative* is of (9) alone: the bound stands "
+        out += "\n*L_lb* is a bound on the minimised function, which includes a ridge or the reaction of the contact; *L relative* is of (9) alone. The bound is given "
                "relative to the FE force only where both are the same.\n";
     out += "\n| set | L_lb N | L_lb relative |";
     for (const TrainingBook& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
@@ -469,10 +466,10 @@ std::string to_markdown(const Evaluation& e) {
     }
 
     out +=
-        "\n## The springs themselves\n\nSec. 3 promises springs that differ little from the heuristic near the contact, "
+        "\n## Spring stiffnesses\n\nSec. 3 of the paper expects springs that differ little from the heuristic near the contact, "
         "change little between neighbouring sets, and a force that grows with the push.\n\n"
         "| model | distance from heuristic, near / far | step between magnitudes | step between angles | force falls "
-        "where FE rises | smallest eigenvalue | floppy sets |\n|---|---|---|---|---|---|---|\n";
+        "where FE rises | smallest eigenvalue | sets with zero-energy modes |\n|---|---|---|---|---|---|---|\n";
     for (const ModelErrors& m : e.models) {
         const SpringCharacter& s = m.springs;
         out += fmt::format("| {} | {:.2f} / {:.2f} | {:.2f} | {:.2f} | {} of {} | {:.2g} | {} |\n", m.name,
@@ -481,8 +478,8 @@ std::string to_markdown(const Evaluation& e) {
                            s.force_steps, s.smallest_eigenvalue, s.floppy_sets);
     }
     out +=
-        "\nMedians of root mean squares over springs, in units of E2. The eigenvalue is K's under its supports. What it "
-        "costs to stay near the heuristic (exact solutions of L^2 + ridge |theta - theta0|^2):\n\n"
+        "\nMedians of root mean squares over springs, in units of E2. The eigenvalue is that of K under its supports. Loss of "
+        "springs that stay near the heuristic (exact solutions of L^2 + ridge |theta - theta0|^2):\n\n"
         "| ridge | rel_loss | distance | force falls | smallest eigenvalue |\n|---|---|---|---|---|\n";
     for (const FrontPoint& p : e.front)
         out += fmt::format("| {:g} | {} | {:.2f} | {} | {:.2g} |\n", p.ridge, percent(p.rel_loss), p.distance,
@@ -492,7 +489,7 @@ std::string to_markdown(const Evaluation& e) {
     if (not_converged > 0) out += fmt::format("\nOf these exact solutions {} did not converge.\n", not_converged);
 
     out += "\n## Every case\n\n| case | FE force N |";
-    for (const ModelErrors& m : e.models) out += fmt::format(" {} rel_loss / force N / closed loop |", m.name);
+    for (const ModelErrors& m : e.models) out += fmt::format(" {} rel_loss / force N / indentation error |", m.name);
     out += "\n|---|---|";
     for (std::size_t m = 0; m < e.models.size(); ++m) out += "---|";
     out += "\n";

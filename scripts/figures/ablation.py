@@ -1,6 +1,6 @@
-"""What FE paths and numbers buy a law: ablation.py ABLATION.json OUT.png, from `make ablation`.
+"""Error against FE paths and parameters: ablation.py ABLATION.json OUT.png, from `make ablation`.
 
-Left: error on held-out contacts against the FE paths trained on. Right: against how many numbers the law has.
+Left: error on the test set against the number of training paths. Right: against the number of parameters.
 """
 import math
 import sys
@@ -59,15 +59,15 @@ def main():
     same_paths = [v for v in same if v["arcs_m"] == whole["arcs_m"] and v["angles_deg"] == whole["angles_deg"]]
     drawn = [e for v in same for error, _ in ERRORS for measure in ("median", "p95", "max") if math.isfinite(e := error_of(v, error, measure))]
     if not drawn:
-        return save(nothing("No law of the ablation has an answer at half of the held-out contacts"), sys.argv[2])
+        return save(nothing("No model of the ablation has an answer at half of the test contacts"), sys.argv[2])
     figure, (paths, numbers) = plt.subplots(1, 2, figsize=(13, 4.8), layout="constrained", sharey=True)
     draw(paths, [whole] + [v for v in same if v not in same_paths], "fe_paths", lambda v: f"{v['numbers']} numbers{answered(v)}")
     draw(numbers, same_paths, "numbers", answered)
     paths.margins(x=0.08)
     paths.set_xlabel("FE load paths trained on")
-    paths.set_ylabel("closed-loop error, held out, core range")
+    paths.set_ylabel("indentation error of force, test set, core range")
     paths.tick_params(labelleft=True)
-    numbers.set_xlabel(f"numbers in the law, {whole['fe_paths']} paths")
+    numbers.set_xlabel(f"parameters of the model, {whole['fe_paths']} paths")
     numbers.legend(frameon=False, fontsize=8, ncols=2, loc="upper right")
     top = max(drawn)
     paths.set_ylim(top=1.6 * top)  # room for the notes

@@ -121,7 +121,7 @@ def draw(folder, out):
         draw_view(axis, towards, corners, held, contacts)
         axis.set_title(title, fontsize=10)
     handles = [plt.Line2D([], [], color=STYLES[role][0], marker=STYLES[role][1], linestyle="", label=label) for role, label in counts.items()]
-    handles.append(plt.Rectangle((0, 0), 1, 1, color=HELD_COLOUR, label="held"))
+    handles.append(plt.Rectangle((0, 0), 1, 1, color=HELD_COLOUR, label="fixed"))
     figure.legend(handles=handles, loc="lower center", ncols=len(handles), frameon=False, fontsize=9)
     size = np.ptp(corners, axis=(0, 1))
     figure.suptitle(f"{folder.name}: {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm, {share}", fontsize=11)

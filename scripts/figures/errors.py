@@ -1,4 +1,4 @@
-"""Error of every case: the loss (9), the resolved force, and the closed loop, for learned springs and baselines."""
+"""Error of every case: the loss (9), the resolved force, and the indentation error, for learned springs and baselines."""
 import matplotlib.pyplot as plt
 
 from results import COLOURS, LABELS, MARKERS
@@ -7,7 +7,7 @@ from shape_error import percent_axis
 MEASURES = {
     "rel_loss": "rel_loss (9)",
     "resolved_force_error": "resolved force at the loaded node",
-    "closed_loop_error": "closed loop: force a hand feels",
+    "closed_loop_error": "indentation error: force on the tool",
 }
 
 
@@ -41,5 +41,5 @@ def draw(results):
     handles, labels = axes[0].get_legend_handles_labels()
     figure.set_layout_engine("constrained", rect=(0, 0.08, 1, 0.92))  # room for the legend
     figure.legend(handles, labels, loc="lower center", ncols=-(-len(labels) // 2), frameon=False)
-    figure.suptitle("Relative error of force, case by case; in brackets: how many have an answer in closed loop")
+    figure.suptitle("Relative error of force, by case; in brackets: how many have an equilibrium")
     return figure

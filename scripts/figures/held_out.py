@@ -28,9 +28,9 @@ def draw(results):
     depth = np.array([c["depth_m"] for c in contacts]) * 1e3
     where = points + inward * depth[:, None]  # as deep inside as the push was long
     shade = around.scatter(*where.T, c=np.maximum(error, 1e-3), norm=LogNorm(1e-3, 0.3), cmap="viridis", s=16)
-    figure.colorbar(shade, ax=around, label="closed-loop error", format=lambda v, _: f"{100 * v:g} %")
+    figure.colorbar(shade, ax=around, label="force error", format=lambda v, _: f"{100 * v:g} %")
     around.set_aspect("equal")
-    around.set_title("Where: each dot as deep inside as its push was long", fontsize=10)
+    around.set_title("Where: depth of each dot is the length of its push", fontsize=10)
     around.set_xlabel("x (mm)")
     around.set_ylabel("y (mm)")
 
@@ -38,15 +38,15 @@ def draw(results):
     bins = np.geomspace(1e-4, 2, 45)
     table = "force table" if "measurement" in evaluation else "FE force table"
     shown = {"learned": learned_label(results), "force_table": table, "uniform": "one stiffness",
-             "heuristic_a": "heuristic, E2 = E t", "untrained": "untrained law"}
+             "heuristic_a": "heuristic, E2 = E t", "untrained": "untrained model"}
     for model, label in shown.items():
         values, part, count = how_often(evaluation, "held_out", model)
         if len(values):
             often.plot(np.maximum(values, bins[0]), part, color=COLOURS[model], label=f"{label} ({count})")
     often.set_xscale("log")
     often.set_ylim(0, 1.02)
-    often.set_xlabel("closed-loop error, core range")
-    often.set_ylabel("part of the contacts below")
+    often.set_xlabel("force error, core range")
+    often.set_ylabel("share of the contacts below")
     often.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
     often.grid(color="0.9")
     often.legend(frameon=False, fontsize=8)
@@ -56,7 +56,7 @@ def draw(results):
                bins=bins, stacked=True, color=["#0072B2", "#56B4E9"], label=[f"{label} ({how_often(evaluation, role, 'learned')[2]})".replace(" ()", "") for role, label in ROLES.items()])
     counts.set_xscale("log")
     counts.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
-    counts.set_xlabel("closed-loop error of the learned springs")
+    counts.set_xlabel("force error of the trained springs")
     counts.set_ylabel("contacts")
     counts.legend(frameon=False)
 
@@ -70,10 +70,10 @@ def draw(results):
         axis.set_yscale("log")
         axis.yaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
         axis.set_xlabel(label)
-        axis.set_ylabel("closed-loop error")
+        axis.set_ylabel("force error")
         axis.grid(color="0.9")
     for corner in results.corner_arcs():
         axes[1, 2].axvline(corner * 1e3, color="0.6", linestyle=":", linewidth=1)
     axes[1, 2].legend(framealpha=0.9)  # its dots are not contacts
-    figure.suptitle("Contacts that nothing was trained on: error of the force a hand feels")
+    figure.suptitle("Test set: indentation error of the force on the tool")
     return figure

@@ -28,7 +28,7 @@ def draw(results):
     for axis in axes.flat[len(curves):]:
         axis.set_visible(False)
     axes[0, 0].legend(frameon=False, fontsize=8)
-    figure.suptitle("Held-out contacts, in closed loop")
+    figure.suptitle("Contacts of the test set")
     return figure
 
 

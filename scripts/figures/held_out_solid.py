@@ -1,4 +1,4 @@
-"""Of tissue in space: closed-loop error on contacts that nothing was trained on, on its surface seen from above, how often, and
+"""Of tissue in space: indentation error of force at the contacts of the test set, on its surface seen from above, how often, and
 by tilt, depth and distance from the nearest wall, on a shape height."""
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,7 +10,7 @@ from results import COLOURS, how_often, learned_label
 MM = 1e3
 ROLES = {"held_out": ("core range", "o", "#0072B2"), "held_out_near": ("near a wall", "s", "#E69F00"),
          "held_out_sideways": ("sideways", "D", "#CC79A7")}
-SHOWN = {"learned": None, "force_table": "FE force table", "untrained": "untrained law",
+SHOWN = {"learned": None, "force_table": "FE force table", "untrained": "untrained model",
          "heuristic_a": "heuristic springs alone", "uniform": "one stiffness alone"}
 LOWEST = 1e-3  # of a logarithmic axis
 
@@ -30,7 +30,7 @@ def draw(results):
         often(axis, results, role)
         models.update(zip(*reversed(axis.get_legend_handles_labels())))
     figure.legend(models.values(), models.keys(), loc="lower right", bbox_to_anchor=(0.97, 0.03), ncols=5, frameon=False,
-                  title="above, closed-loop error of:")
+                  title="above, force error of:")
     low, high = results.nodes[:, :2].min(axis=0), results.nodes[:, :2].max(axis=0)
     to_wall = lambda c: MM * min(np.min(c["contact_m"][:2] - low), np.min(high - c["contact_m"][:2]))
     for column, (value, label) in enumerate(((lambda c: c["angle_deg"], "tilt off straight in (degrees)"),
@@ -38,7 +38,7 @@ def draw(results):
                                              (to_wall, "distance from the nearest wall (mm)") if results.is_block else
                                              (lambda c: MM * c["contact_m"][2], "height of the contact (mm)")), 1):
         against(figure.add_subplot(grid[1, column]), results, drawn, value, label)
-    figure.suptitle("Contacts that nothing was trained on: error of the force a hand feels, in closed loop")
+    figure.suptitle("Test set: indentation error of the force on the tool")
     return figure
 
 
@@ -60,11 +60,11 @@ def from_above(figure, axis, results, drawn):
         error = np.array([c["error"]["learned"] for c in drawn[role]])
         axis.scatter(*place.T, c=np.maximum(error, LOWEST), norm=shade.norm, cmap="viridis", marker=marker,
                      s=44, edgecolors="black", linewidths=0.4, zorder=3)
-    figure.colorbar(shade, ax=axis, label="closed-loop error of the learned law", format=lambda v, _: f"{100 * v:g} %",
+    figure.colorbar(shade, ax=axis, label="force error of the trained model", format=lambda v, _: f"{100 * v:g} %",
                     location="bottom", shrink=0.8, aspect=35)
     handles = [Line2D([], [], color="0.6", marker=marker, linestyle="", markeredgecolor="black", label=f"{label} ({how_often(results.evaluation, role, 'learned')[2]})")
                for role, (label, marker, _) in ROLES.items() if drawn[role]]
-    handles += [Line2D([], [], color="black", marker="x", linestyle="", label="trained on"),
+    handles += [Line2D([], [], color="black", marker="x", linestyle="", label="training contacts"),
                 Line2D([], [], color="0.25", label="sideways part of the push"),
                 Line2D([], [], color="0.85", label="edges of the surface")]
     axis.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize=9)
@@ -87,8 +87,8 @@ def often(axis, results, role):
     axis.set_ylim(0, 1.02)
     axis.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
     axis.set_title(f"How often: {ROLES[role][0]} ({count})", fontsize=10)
-    axis.set_xlabel("closed-loop error")
-    axis.set_ylabel("part of the contacts at or below")
+    axis.set_xlabel("force error")
+    axis.set_ylabel("share of the contacts at or below")
     axis.grid(color="0.9")
 
 
@@ -104,6 +104,6 @@ def against(axis, results, drawn, value, label):
     axis.yaxis.set_minor_formatter(lambda v, _: f"{100 * v:g} %" if f"{v:.0e}"[0] in "25" else "")
     axis.tick_params(axis="y", which="minor", labelsize=7)
     axis.set_xlabel(label)
-    axis.set_ylabel("closed-loop error of the learned law")
+    axis.set_ylabel("force error of the trained model")
     axis.grid(color="0.9")
     axis.legend(frameon=False, fontsize=8)

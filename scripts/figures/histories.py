@@ -1,4 +1,4 @@
-"""Force over time: of each group the history with the median error, finite elements, the learned law, elastic springs."""
+"""Force over time: of each group the history with the median error, finite elements, the trained model, elastic springs."""
 import math
 
 import matplotlib.pyplot as plt
@@ -20,7 +20,7 @@ def draw(results):
         t = np.array(history["time_s"])
         axis.plot(t, history["fe_N"], color=COLOURS["fe"], linewidth=2.4, label=truth_label(results))
         axis.plot(t, history["best_factor_N"], ":", color=COLOURS["uniform"], linewidth=1.8, label="elastic, best factor")
-        axis.plot(t, history["learned_N"], color=COLOURS["learned"], linewidth=1.2, label="learned law")
+        axis.plot(t, history["learned_N"], color=COLOURS["learned"], linewidth=1.2, label="trained model")
         axis.axhline(0, color="0.8", linewidth=0.8, zorder=0)
         off, found = history["error"]["learned"]["rms"], histories["groups"][group]["learned"]["rms"]
         axis.set_title(f"{group} ({found['n']} of {found['of']}): {history['name']}, " + ("no answer" if off is None else f"off by {100 * off:.1f} %"), fontsize=9)

@@ -42,7 +42,7 @@ def draw(files, truth=None):
         above, below = axes[:, column]
         stiffness = above.tripcolor(*(1e3 * nodes.T), triangles, factor, shading="gouraud", cmap="RdBu_r", norm=LogNorm(1 / most, most))
         unsure = below.tripcolor(*(1e3 * nodes.T), triangles, sd, shading="gouraud", cmap="Greys", vmin=0, vmax=0.6)
-        above.set_title(f"{pokes} pokes", fontsize=10)
+        above.set_title(f"{pokes} measurements", fontsize=10)
         for axis in (above, below):
             axis.set_aspect("equal")
             axis.tick_params(labelsize=8)

@@ -1,4 +1,4 @@
-"""Force of straight pushes over a solid's top, from above: in finite elements, in the law, and the difference. The dashed
+"""Force of straight pushes over a solid's top, from above: in finite elements, in the model, and their ratio. The dashed
 circle is the nodule's outline below. A block that mirrors itself is mapped on one side; the other is drawn alike."""
 import matplotlib.pyplot as plt
 import numpy as np
@@ -29,7 +29,7 @@ def draw(results):
     shade = shaded(axes[0], x, y, fe, **force)
     shaded(axes[1], x, y, law, **force)
     away = shaded(axes[2], x, y, off, cmap="RdBu_r", vmin=-most, vmax=most)
-    for axis, title in zip(axes, ("Finite elements", learned_label(results).capitalize(), "The law over finite elements")):
+    for axis, title in zip(axes, ("Finite elements", learned_label(results).capitalize(), "Model over finite elements")):
         axis.plot(*MM * at.T, ".", color="black", markersize=3, zorder=3, clip_on=False)
         outline(axis, results.ground)
         axis.set(aspect="equal", title=title, xlabel="x (mm), the surface from above")
@@ -80,4 +80,4 @@ def contrast(found):
         return ""
     c = found["contrast"]
     learned = "no answer" if c["learned"] is None else f"{c['learned']:.3f}"
-    return f"\nForce over the nodule's middle / far away: finite elements {c['fe']:.3f}, law {learned}"
+    return f"\nForce above the middle of the inclusion / far away: finite elements {c['fe']:.3f}, model {learned}"

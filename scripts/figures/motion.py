@@ -46,7 +46,7 @@ def main():
         axis.set_ylabel(f"force along the push ({name})")
     limit = [0, 1.05 * most * unit]
     rest.plot(limit, limit, color="0.6", linewidth=0.8, zorder=0)
-    rest.set_xlabel(f"static closed-loop answer ({name})")
+    rest.set_xlabel(f"static equilibrium ({name})")
     rest.set_ylabel(f"force at rest ({name})")
     worst = max(p["static_error"] for p in presses)
     count = len(data["presses"])

@@ -91,7 +91,7 @@ def how_often(evaluation, role, model):
     """Errors of a model at the contacts drawn for a role, ascending; the part of those with a reference that is at or below each, where a missing
     answer is above them all; and "n of N" (results/FORMATS.md)."""
     models = evaluation["closed_loop"].get(role, {})
-    name = model if model in models else f"{model}_patch"  # springs alone, under the law's contact
+    name = model if model in models else f"{model}_patch"  # springs alone, under the contact of the model
     if name not in models:
         return [], [], ""
     found = models[name]
@@ -108,8 +108,8 @@ def nothing(words):
 
 
 def learned_label(results):
-    """What the learned springs are, in a legend: of spring sets the nearest serves, a law is one."""
-    return "learned law" if "terms" in results.evaluation["training"] else "learned, nearest set"
+    """What the learned springs are, in a legend: of spring sets the nearest serves, an energy model is one."""
+    return "trained model" if "terms" in results.evaluation["training"] else "trained, nearest set"
 
 
 def load(folder):
@@ -142,7 +142,7 @@ def load(folder):
         results.direction = f["cases/direction"][()]
         results.heuristic_a = f["heuristic_a"][()]
         results.trained_by_model = {}
-        for optimizer in f["optimizers"].asstr() if "optimizers" in f else []:  # a law has none
+        for optimizer in f["optimizers"].asstr() if "optimizers" in f else []:  # an energy model has none
             group = f["trained"][optimizer]
             results.trained[optimizer] = SimpleNamespace(
                 theta=group["theta"][()], rel_loss=group["rel_loss"][()], loss=group["loss"][()],

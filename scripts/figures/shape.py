@@ -1,5 +1,5 @@
-"""Shape of the tissue at the held-out contacts with the median and the largest shape error, finite elements over the
-learned springs; and shape error against force error at every held-out contact."""
+"""Deformed tissue at the contacts of the test set with the median and the largest displacement error, finite elements over the
+learned springs; and displacement error against force error at every contact of the test set."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -29,7 +29,7 @@ def draw(results):
         figure.legend(*axes[0].get_legend_handles_labels(), loc="lower left", bbox_to_anchor=(0.1, 0), ncols=4, frameon=False)
 
     force_and_shape(axes[2], results, contacts, shapes)
-    figure.suptitle("What an eye sees: the tissue's shape while the contact is held, finite elements and springs")
+    figure.suptitle("Deformed tissue while the tool is held, finite elements and springs")
     return figure
 
 
@@ -43,7 +43,7 @@ def outlines(axis, results, path, displacement):
     axis.plot(*fe[loop].T, color=COLOURS["fe"], linewidth=2, label="finite elements")
     axis.plot(*model[loop].T, color=COLOURS["learned"], linewidth=1.5, linestyle="--", label=learned_label(results))
     axis.add_collection(LineCollection(np.stack([fe, model], axis=1), colors=COLOURS["heuristic_a"], linewidths=1,
-                                       label="from the one to the other, at every node"))
+                                       label="difference at every node"))
     axis.plot(*fe.T, ".", color=COLOURS["fe"], markersize=2)
     start = path.contact * MM
     axis.annotate("", start + path.direction * path.magnitude[-1] * MM, start, zorder=3, annotation_clip=False,

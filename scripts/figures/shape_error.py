@@ -5,7 +5,7 @@ from results import COLOURS, learned_label
 
 SHOWN = {"uniform": "one stiffness", "heuristic_a": "heuristic, E2 = E t"}
 SHOWN_OF_SOLIDS = {"uniform_patch": "springs of one stiffness alone", "heuristic_a_patch": "heuristic springs alone",
-                   "untrained": "untrained law"}
+                   "untrained": "untrained model"}
 
 
 def percent(value):
@@ -16,7 +16,7 @@ def which_of(shape, contacts):
     """What a contact of drawn_shapes is among all held-out ones: a missing answer counts as the largest error there is."""
     answered = sum(c["shape"].get("learned") is not None for c in contacts.values())
     of = "" if answered == len(contacts) or shape["which"] == "median" else f" of the {answered} of {len(contacts)} that have an answer"
-    return f"{shape['which'].capitalize()} shape error{of}"
+    return f"{shape['which'].capitalize()} displacement error{of}"
 
 
 def percent_axis(axis, between=True):
@@ -44,7 +44,7 @@ def force_and_shape(errors, results, contacts, shapes):
         percent_axis(axis)
     errors.tick_params(axis="both", which="minor", labelsize=7)
     errors.set_xlabel("force error")
-    errors.set_ylabel("shape error: rms of u - u_fe over rms of u_fe")
+    errors.set_ylabel("displacement error: rms of u - u_fe over rms of u_fe")
     errors.grid(color="0.9")
     errors.legend(frameon=False, fontsize=8)
-    errors.set_title("Every held-out contact, in closed loop", fontsize=10)
+    errors.set_title("All contacts of the test set", fontsize=10)

@@ -1,5 +1,5 @@
-"""Of tissue in space: a vertical section through the held-out contacts with the median and the largest shape error, finite
-elements over the law; the surface's displacement along it; and shape error against force error at every held-out contact."""
+"""Of tissue in space: a vertical section through the contacts of the test set with the median and the largest displacement error, finite
+elements over the model; the surface's displacement along it; and displacement error against force error at every contact of the test set."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -28,7 +28,7 @@ def draw(results):
         figure.set_layout_engine("constrained", rect=(0, 0.05, 1, 0.95))  # room for the legend
         figure.legend(*section.get_legend_handles_labels(), loc="lower left", bbox_to_anchor=(0.15, 0), ncols=4, frameon=False)
     force_and_shape(figure.add_subplot(grid[:, 2]), results, contacts, shapes)
-    figure.suptitle("What an eye sees: the tissue's shape while the contact is held, finite elements and springs")
+    figure.suptitle("Deformed tissue while the tool is held, finite elements and springs")
     return figure
 
 

@@ -1,4 +1,4 @@
-"""A solid cut open through the held-out contact with the median shape error: displacement in finite elements, in the law,
+"""A solid cut open through the test contact with the median displacement error: displacement in finite elements, in the model,
 and what lies between the two."""
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,7 +15,7 @@ VIEW = np.array([-0.45, -1.0, 0.62])  # towards the eye
 
 def draw(results):
     if not results.evaluation.get("drawn_shapes"):
-        return nothing("The law has no answer at any held-out contact, or finite elements lost all of them")
+        return nothing("The model has no answer at any contact of the test set, or none has an FE reference")
     shape = results.evaluation["drawn_shapes"][0]
     contacts = {c["name"]: c for c in results.evaluation["drawn"]["held_out"]}
     contact = contacts[shape["name"]]
@@ -42,7 +42,7 @@ def draw(results):
         figure.colorbar(ScalarMappable(BoundaryNorm(bounds, 256), cmap), ax=axis, label=label, location="bottom", shrink=0.8, pad=0.02)
     size = MM * np.ptp(results.nodes, axis=0)
     x, y, _ = MM * path.contact
-    figure.suptitle(f"Held-out contact with the {which_of(shape, contacts).lower()}, {percent(contact['shape']['learned'])} "
+    figure.suptitle(f"Contact of the test set with the {which_of(shape, contacts).lower()}, {percent(contact['shape']['learned'])} "
                     f"(force {percent(contact['error']['learned'])}): {MM * contact['depth_m']:.1f} mm deep, {round(contact['angle_deg'])} degrees "
                     f"off straight in, at x = {x:.0f} mm, y = {y:.0f} mm\n"
                     f"{'Block' if results.is_block else 'Shape'} of {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm cut open at y = {cut_mm:.0f} mm; true displacements; "

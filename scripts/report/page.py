@@ -31,14 +31,14 @@ CAPTIONS = {
     "force": "Resolved force along every load path (Fig. 3 of the paper)",
     "learning": "Learning curves (Fig. 4 of the paper)",
     "springs": "Learned springs (Fig. 6 of the paper)",
-    "errors": "Errors of every model at the trained contacts",
-    "character": "What the springs are like, and what staying near the heuristic costs",
-    "held_out": "Closed-loop error at contacts the sets were not trained on",
+    "errors": "Errors of every model at the training contacts",
+    "character": "Spring stiffnesses, and the loss of springs that stay near the heuristic",
+    "held_out": "Indentation error of force at contacts of the test set",
     "held_out_force": "Force against push at such contacts",
-    "histories": "Force over time, along histories held out",
-    "shape": "The tissue's shape at such contacts, finite elements and springs; shape error against force error",
-    "map": "Force of straight pushes over the top, in finite elements and in the law: what a finger finds of the nodule",
-    "solid": "The block cut open through such a contact: displacement in finite elements and in the law, and what lies between",
+    "histories": "Force over time, along displacement histories of the test set",
+    "shape": "Deformed tissue at such contacts, finite elements and springs; displacement error against force error",
+    "map": "Force of straight pushes over the top, in finite elements and in the model, with an inclusion below",
+    "solid": "Section through such a contact: displacement in finite elements, in the model, and their difference",
 }
 
 
@@ -58,10 +58,10 @@ def lead(e):
     if "held_out" in closed:
         learned = closed["held_out"]["learned"]
         number = learned["median"]
-        figures += [(learned["p95"], "95th percentile of the same"),
-                    (learned["max"], "worst of " + n_of(learned, "contacts"))]
+        figures += [(learned["p95"], "95th percentile"),
+                    (learned["max"], "largest of " + n_of(learned, "contacts"))]
         if learned.get("shape"):
-            figures.append((learned["shape"]["median"], "median error of the tissue's shape, what an eye sees"))
+            figures.append((learned["shape"]["median"], "displacement error, median"))
         figures += best_baseline(closed["held_out"], e)
         if "held_out_full" in closed:
             full = closed["held_out_full"]["learned"]
@@ -70,12 +70,12 @@ def lead(e):
         trained = closed["trained"]["learned"]
         loss = {model: errors["rel_loss"]["median"] for model, errors in e["open_loop"].items()}
         number = loss["learned"]
-        figures += [(loss["optimum"], "the best this mesh can do, certified"),
-                    (loss["heuristic_a"], "left by Van Gelder's heuristic"),
-                    (trained["median"], f"closed-loop error, what a hand feels, {n_of(trained, 'load cases')}")]
+        figures += [(loss["optimum"], "certified optimum of this mesh"),
+                    (loss["heuristic_a"], "Van Gelder's heuristic"),
+                    (trained["median"], f"indentation error of force, {n_of(trained, 'load cases')}")]
         figures += best_baseline(closed["trained"], e)
     if e.get("truth_check", {"n": 0})["n"]:
-        figures.append((e["truth_check"]["median"], f"the finite elements' own error, on a finer mesh, {n_of(e['truth_check'], 'pushes')}"))
+        figures.append((e["truth_check"]["median"], f"change of the FE force on a finer mesh, {n_of(e['truth_check'], 'pushes')}"))
     return percent(number), [(percent(value), what) for value, what in figures]
 
 
@@ -88,10 +88,10 @@ def n_of(statistics, what):
 
 
 def best_baseline(errors, e):
-    """Median closed-loop error of the best untrained springs, if any has one."""
+    """Median indentation error of force of the best untrained springs, if any has one."""
     medians = {m: v["median"] for m, v in errors.items() if v["median"] is not None and m.startswith(("heuristic", "uniform"))}
     best = min(medians, key=medians.get, default=None)
-    return [(medians[best], f"best untrained springs ({label(best, e) or best}), closed loop")] if best else []
+    return [(medians[best], f"best untrained springs ({label(best, e) or best}), indentation error of force")] if best else []
 
 
 # ---- Markdown to HTML
@@ -107,14 +107,14 @@ def picture(folder, source):
 
 def label(model, e):
     """A model's name in words; "" where it has none."""
-    words = {**LABELS, "untrained": "the law untrained",
-             "heuristic_a_patch": "Van Gelder's springs alone, the law's contact",
+    words = {**LABELS, "untrained": "the model before training",
+             "heuristic_a_patch": "Van Gelder's springs, contact of the model",
              "heuristic_b_patch": "the same, E2 = (C1 + C2) t",
-             "uniform_patch": "one stiffness alone, the law's contact",
-             "force_table": "the forces measured at the trained contacts, interpolated" if "measurement" in e else "finite elements' own forces, interpolated"}
+             "uniform_patch": "springs of one stiffness, contact of the model",
+             "force_table": "measured forces at the training contacts, interpolated" if "measurement" in e else "FE forces at the training contacts, interpolated"}
     for training in [e["training"]] + e.get("training_also", []):
         if "terms" in training:
-            words["learned"] = f"an energy with {len(training['terms'])} numbers"
+            words["learned"] = f"an energy model with {len(training['terms'])} parameters"
             continue
         own = training["optimizer"]
         words["learned" if training is e["training"] else "learned_" + re.sub("[-:]", "_", own)] = f"trained by {own}"

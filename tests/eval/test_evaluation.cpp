@@ -112,7 +112,7 @@ TEST_CASE("a path that FE lost before its first load case has no force curve of 
     const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
     CHECK(j["lost"]["train"] == std::vector<std::string>{"corner: no equilibrium beyond 2 mm"});
     CHECK(j["curves"].size() == 1);
-    CHECK_THAT(to_markdown(e), Contains("FE lost 1 of the training paths") && Contains("- corner: no equilibrium beyond 2 mm") && Contains("2 of 4 load cases, 2 without a reference"));
+    CHECK_THAT(to_markdown(e), Contains("1 of the training paths end early in FE") && Contains("- corner: no equilibrium beyond 2 mm") && Contains("2 of 4 load cases, 2 without a reference"));
     for (const nlohmann::json& s : {j["closed_loop"]["trained"]["learned"], j["open_loop"]["learned"]["rel_loss"]}) {
         CHECK(s["n"] == 2);
         CHECK(s["of"] == 4);
@@ -183,7 +183,7 @@ TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffnes
     CHECK(entry["shape"]["median"].is_null());
     CHECK(entry["shape"]["n"] == 0);
     CHECK(j["cases"][0]["models"]["learned"]["closed_loop_error"].is_null());
-    CHECK_THAT(to_markdown(e), Contains("No closed-loop answer") && Contains("zero-energy modes"));
+    CHECK_THAT(to_markdown(e), Contains("No answer of ") && Contains("zero-energy modes"));
 }
 
 TEST_CASE("a model without an answer at some contacts has an n of its own in every table, and the reasons with their counts") {
@@ -217,7 +217,7 @@ TEST_CASE("a model without an answer at some contacts has an n of its own in eve
     };
     CHECK_THAT(row("learned"), Contains("| 4 of 4 | none / none / none |") && Catch::EndsWith("| 1 of 4 |"));
     CHECK_THAT(row("uniform"), Contains("| 4 of 4 |") && Catch::EndsWith("| 4 of 4 |"));
-    CHECK_THAT(report, Contains("No closed-loop answer of learned: " + reasons));
+    CHECK_THAT(report, Contains("No answer of learned: " + reasons));
 }
 
 TEST_CASE("eval.json has what the design promises, and its numbers are the evaluation's") {
@@ -266,7 +266,7 @@ TEST_CASE("a contact drawn that FE lost stays in N, and beside it how many there
         CHECK(held_out[model]["max"].is_number());
     }
     CHECK(held_out["learned"]["shape"]["of"] == 2);
-    CHECK_THAT(to_markdown(e), Contains("closed loop, 1 of 2 contacts, 1 without a reference") && Contains("2 contacts were drawn, 1 of them without a reference"));
+    CHECK_THAT(to_markdown(e), Contains("; 1 of 2 contacts, 1 without a reference") && Contains("2 contacts were drawn, 1 of them without an FE reference"));
 }
 
 TEST_CASE("drawn contacts have shapes, of models that have one, and the median and the worst of them are kept to be drawn") {
@@ -305,7 +305,7 @@ TEST_CASE("drawn contacts have shapes, of models that have one, and the median a
             for (Eigen::Index axis : {0, 1})
                 CHECK(std::abs(shape["displacement_m"][i][axis].get<double>() - u(i, axis)) <= tolerance::solve * u.norm());
     }
-    CHECK_THAT(to_markdown(e), Contains("the tissue's shape by"));
+    CHECK_THAT(to_markdown(e), Contains("its displacement error"));
 }
 
 TEST_CASE("of drawn contacts the shapes kept are the median's and the worst's, in this order, as the learned springs have them") {

@@ -135,7 +135,7 @@ TEST_CASE("eval.json and report.md have a block of two tools where there are pai
     CHECK(block["pairs"][1]["tools"][0]["error"]["learned"].is_null());
     const std::string report = to_markdown(e);
     CHECK_THAT(report, Contains("## Two discs at once: pairs of `held_out_two`, force error on each disc"));
-    CHECK_THAT(report, Contains("FE lost 1 of them:\n- held-out-two-0003: the tissue is folded\n"));
+    CHECK_THAT(report, Contains("Pairs without an FE reference: 1:\n- held-out-two-0003: the tissue is folded\n"));
     CHECK(report.find("| held-out-two-0002 | 13.0 | 5.00, 3.00 |") < report.find("| held-out-two-0001 | 16.0 | 5.00, 3.00 |"));
 }
 

@@ -36,8 +36,8 @@ check "the noise of the repeats is what was put on, near 1 %" "$PYTHON" -c 'impo
 m = json.load(open(sys.argv[1]))["measurement"]
 assert m["noise_source"] == "repeats" and 0.006 < m["force_noise"] < 0.012, m' "$R/eval.json"
 check "the report says where the data come from" grep -q 'NOT A MEASUREMENT: made up by' "$R/report.md"
-check "the report says from what the law's numbers come, and that its heuristic is scaled to the forces" \
-    grep -q 'numbers from .* measured paths.*as the forces have it' "$R/report.md"
+check "the report has the training data of the model, and that its heuristic is scaled to the forces" \
+    grep -q 'parameters from .* measured paths.*fitted to the forces' "$R/report.md"
 rivals() { # FILE MODEL...: all on every held-out row, the learned better than one stiffness
     "$PYTHON" -c 'import json, sys
 held_out = json.load(open(sys.argv[1]))["closed_loop"]["held_out"]
@@ -45,7 +45,7 @@ for model in sys.argv[2:]:
     assert held_out[model]["n"] == 20, (model, held_out[model])
 assert held_out["learned"]["median"] < held_out["uniform"]["median"], held_out' "$@"
 }
-check "every rival stands beside the law on held-out rows" rivals "$R/eval.json" learned force_table heuristic_a heuristic_b uniform repeat
+check "every baseline is evaluated on the rows of the test set" rivals "$R/eval.json" learned force_table heuristic_a heuristic_b uniform repeat
 
 # ---- what was measured goes to other programs, what nobody has seen does not
 tissuectl export results/tiny/cases.h5 --to csv --out "$scratch/csv"

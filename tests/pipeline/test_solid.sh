@@ -46,7 +46,7 @@ assert [p['contact_m'] for p in places] == [[x, y, 0.05] for y in (0.05, 0.08) f
 assert all(0 < p['learned_N'] < 2 * p['fe_N'] for p in places) and not e['map']['lost']
 assert contrast['over_m'] == places[0]['contact_m'] and contrast['far_m'] == [places[3]['contact_m']]
 assert abs(contrast['fe'] - places[0]['fe_N'] / places[3]['fe_N']) < 1e-9
-assert '%.3f times that far from it' % contrast['fe'] in report
+assert '%.3f times the force far from it' % contrast['fe'] in report
 assert not any('map' in role for role in e['closed_loop'])" "$R"
 check "a pair of discs has a force of its own in the cases, and errors of both in eval.json and the report" "$PYTHON" -c "import h5py, json, sys
 e, report = json.load(open(sys.argv[1] + '/eval.json')), open(sys.argv[1] + '/report.md').read()

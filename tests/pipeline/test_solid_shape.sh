@@ -144,7 +144,7 @@ import json, sys
 loop = json.load(open(sys.argv[1] + "/eval.json"))["closed_loop"]["held_out"]
 assert loop["learned"]["n"] == 2 and 0 < loop["learned"]["median"] < 0.5, loop["learned"]
 PY
-check "the report speaks of its surface" grep -q "^The free surface of the tissue is what is pressed" "$R/report.md"
+check "the report speaks of its surface" grep -q "^Tools press the free surface of the tissue" "$R/report.md"
 run make PYTHON="$PYTHON" STUDY=dome -q all
 check "asked again, there is nothing to do" exited 0
 tissuectl info results/dome/model.h5

@@ -210,7 +210,7 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
     REQUIRE(held_out);
     CHECK(held_out->statistics(0).force.max < 1e-4);
     CHECK(evaluation.model("heuristic_a").closed_loop().force.median > 0.01);  // it was not there to begin with
-    CHECK_THAT(to_markdown(evaluation), Contains("measured paths") && Contains("times the study's E2, as the forces have it") && !Contains("shape"));
+    CHECK_THAT(to_markdown(evaluation), Contains("measured paths") && Contains("times the study's E2, fitted to the forces") && !Contains("shape"));
     CHECK_THAT(to_json(evaluation, 11), Contains("\"factor\"") && !Contains("shape"));  // nobody saw inside
 
     // of tissue at rest the law at once is what was left of it times 1 / (1 - sum g), given or fitted
@@ -223,7 +223,7 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
         const Evaluation at_rest = evaluate(trained, cases, 0, 0, 1);
         CHECK(at_rest.held_out.role("held_out")->statistics(0).force.max < 1e-4);
         CHECK(at_rest.model("learned").closed_loop().force.max < 1e-4);
-        CHECK_THAT(to_markdown(at_rest), Contains("What was measured is of tissue at rest"));
+        CHECK_THAT(to_markdown(at_rest), Contains("The measurements are of tissue at rest"));
     };
     const TrainedModel grown = train_law_model(relaxing("[{ g = 0.2, tau_s = 0.5 }, { g = 0.3, tau_s = 5 }]"), cases, 2);
     fits_its_readings(grown);
@@ -256,7 +256,7 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
     CHECK(fitted.books.law->shares->histories == 1);
     CHECK(fitted.books.law->shares->status == "converged");
     in_time.histories.front().role = "held_out";
-    CHECK_THAT(to_markdown(evaluate(fitted, in_time, 0, 0, 1)), Contains("Branches fitted to 1 measured histories, converged") && Contains("beside what was measured, its noise included") && !Contains("prony"));
+    CHECK_THAT(to_markdown(evaluate(fitted, in_time, 0, 0, 1)), Contains("Maxwell branches fitted to 1 measured histories, converged") && Contains("compared with the measured force, noise included") && !Contains("prony"));
 
     // readings of tissue that had not relaxed yet are the law's at once, whatever its branches
     const Study at_once = example_study(with(with(measured_study_text(), "[material]\n", "[material]\nmoduli = \"instantaneous\"\nviscosity = [{ g = 0.5, tau_s = 1 }]\n"),
