@@ -38,7 +38,7 @@ void run(const Options& o) {
                          [&](int done, int total, const std::string& name) { progress.step(done, total, name); });
     }
     write_file(o.out, to_json(results));
-    std::cout << fmt::format("closed-loop errors on '{}', median / p95 / max (n of N)\n{:<42} {:>7} {:>8} {:>8} {:>28} {:>28}\n",
+    std::cout << fmt::format("indentation errors on '{}', median / p95 / max (n of N)\n{:<42} {:>7} {:>8} {:>8} {:>28} {:>28}\n",
                              o.role, "variant", "numbers", "FE paths", "training", "force", "shape");
     for (const VariantResult& r : results) {
         const DrawnContacts* drawn = r.held_out.role(o.role);
@@ -57,7 +57,7 @@ void run(const Options& o) {
 void add_ablate(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     o->threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    CLI::App* command = app.add_subcommand("ablate", "Train and try the variants of the study's law on its drawn contacts.");
+    CLI::App* command = app.add_subcommand("ablate", "Train the variants of a study's energy model and evaluate each on the drawn contacts.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--cases", o->cases, "cases.h5 of tissuectl collect")->required()->type_name("FILE");
     command->add_option("--out", o->out, "ablation.json to write")->required()->type_name("FILE");

@@ -106,7 +106,7 @@ class Lines {
     void begin(const Adaptation& adaptation) {
         if (held_out_.empty()) return;
         const Statistics error = held_out_error(as_read(adaptation), held_out_);
-        std::cerr << fmt::format("adapt: before the first poke: held out {} / {} (median / p95, {})\n", percent(error.median), percent(error.p95), n_of_N(error, "pokes"));
+        std::cerr << fmt::format("adapt: before the first measurement: test {} / {} (median / p95, {})\n", percent(error.median), percent(error.p95), n_of_N(error, "measurements"));
     }
 
     void poke(int line, const Poke& poke, const PokeAnswer& answer, const Adaptation& adaptation) {
@@ -134,7 +134,7 @@ class Lines {
         if (!held_out_.empty() && answer.status == PokeStatus::learned) {
             const Statistics error = held_out_error(as_read(adaptation), held_out_);
             j["held_out"] = to_value(error);
-            line_text += fmt::format("; held out {} / {} ({})", percent(error.median), percent(error.p95), n_of_N(error));
+            line_text += fmt::format("; test {} / {} ({})", percent(error.median), percent(error.p95), n_of_N(error));
         }
         say(line_text, j);
         if (!answer.warning.empty()) std::cerr << "adapt: " << answer.warning << '\n';
@@ -176,7 +176,7 @@ void doubt_unit(const std::string& name, std::vector<double> times) {
     std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
     const double median = times[times.size() / 2];
     if (median < factor && median > 1 / factor) return;
-    std::cerr << fmt::format("adapt {}: warning: {} readings that were not believed are {:.2g} times the force expected: is a unit in the header wrong (N or mN, m or mm)?\n", name, times.size(), median);
+    std::cerr << fmt::format("adapt {}: warning: {} gated measurements are {:.2g} times the predicted force: is a unit in the header wrong (N or mN, m or mm)?\n", name, times.size(), median);
 }
 
 void run(const Options& o, Provenance provenance) {
@@ -232,7 +232,7 @@ void run(const Options& o, Provenance provenance) {
     if (!o.stream) lines.next(*adaptation);
     const Adaptation::State& state = adaptation->state();
     if (adaptation->rival_plays()) std::cerr << fmt::format("adapt: one scale explains what was read: {:.3g} times as stiff as trained\n", std::exp(state.scale));
-    std::cerr << fmt::format("adapt: {} learned, {} not believed, {} refused: {}\n", state.learned, state.gated, state.refused, o.out);
+    std::cerr << fmt::format("adapt: {} learned, {} gated, {} refused: {}\n", state.learned, state.gated, state.refused, o.out);
 }
 
 }  // namespace
@@ -240,26 +240,26 @@ void run(const Options& o, Provenance provenance) {
 void add_adapt(CLI::App& app, const Invocation& invocation) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
-        "adapt", "Learn from pokes of a tissue that is not the one trained on, one by one: a model that has become it, and how well it knows it.");
-    command->add_option("model", o->model, "model.h5 whose stiffness is a law; one that has learned goes on learning, with the options that it has learned with")->required()->type_name("FILE");
-    command->add_option("--data", o->data, "pokes, CSV as of measured contacts; - is standard input")->required()->type_name("FILE");
+        "adapt", "Adapt a model to force measurements of another tissue, one by one; the result has the adapted stiffness and its standard deviation.");
+    command->add_option("model", o->model, "model.h5 of an energy model; one that has been adapted continues, with its options")->required()->type_name("FILE");
+    command->add_option("--data", o->data, "measurements, CSV as of measured contacts; - is standard input")->required()->type_name("FILE");
     command->add_option("--out", o->out, "model.h5 to write, whole or not at all")->required()->type_name("FILE");
-    command->add_flag("--stream", o->stream, "learn from lines as they come: a bad one is refused and told, the model written after every poke");
-    command->add_option("--held-out", o->held_out, "pokes to try it on after each, never to learn from")->type_name("FILE");
+    command->add_flag("--stream", o->stream, "learn from lines as they arrive: a bad one is refused in one line, and the model is written after every measurement");
+    command->add_option("--held-out", o->held_out, "measurements to test it on after each one, never learned from")->type_name("FILE");
     command->add_option("--first", o->first, "learn from so many rows alone; 0: all")->type_name("count")->capture_default_str()->check(CLI::Range(0, 100000000));
-    command->add_flag("--forget", o->forget, "start again from the law as it was trained; options that are not given stay as the file has them");
-    command->add_option("--next", o->next, "name so many places where to poke next, worth most first")->type_name("count")->capture_default_str()->check(CLI::Range(0, 1000));
+    command->add_flag("--forget", o->forget, "start again from the trained model; options that are not given stay as the file has them");
+    command->add_option("--next", o->next, "print so many places to measure next, the most informative first")->type_name("count")->capture_default_str()->check(CLI::Range(0, 1000));
     command->add_option("--next-depth", o->next_depth_m, "of those pushes")->type_name("m")->capture_default_str()->check(CLI::Range(1e-4, 0.1));
     command->add_option("--unknowns", o->adapt.unknowns, "what may be another: scale, terms, field or elements")->type_name("NAME")->capture_default_str()->check(CLI::IsMember(unknown_kinds()));
-    command->add_flag("--no-rival", o->no_rival, "of field and elements: without one scale of all the tissue beside them, which plays while it is the likelier");
+    command->add_flag("--no-rival", o->no_rival, "of field and elements: without the comparison model of one scale for all the tissue, which is used while it is the likelier");
     command->add_option("--noise", o->adapt.force_noise, "standard deviation of a component of force, over the force")->type_name("1")->capture_default_str()->check(CLI::Range(0.0, 0.5));
-    command->add_option("--model-error", o->adapt.model_error, "what the law is off where it knows the tissue, likewise")->type_name("1")->capture_default_str()->check(CLI::Range(0.001, 0.5));
+    command->add_option("--model-error", o->adapt.model_error, "model error, standard deviation [share of force]")->type_name("1")->capture_default_str()->check(CLI::Range(0.001, 0.5));
     command->add_option("--readings", o->readings, "of tissue that relaxes: long-term, when it had come to rest, or instantaneous, before it had relaxed")
         ->type_name("WORD")->capture_default_str()->check(CLI::IsMember({"long-term", "instantaneous"}));
     command->add_option("--place-error", o->adapt.place_error_m, "standard deviation of a contact's place along the surface")->type_name("m")->capture_default_str()->check(CLI::Range(0.0, 0.05));
     CLI::Option* live = command->add_flag("--live", o->live, "learn as a session does, from its --journal: contacts 0.001 m unsure, at most 4.5 times as stiff or as soft");
     for (const Kept& k : kept_options) live->excludes(command->get_option(k.option));
-    command->add_flag("--json", o->json, "a line of JSON a poke on standard output");
+    command->add_flag("--json", o->json, "one line of JSON per measurement on standard output");
     command->callback([o, command, &invocation] {
         echo_options(*command);
         o->adapt.rival = !o->no_rival;

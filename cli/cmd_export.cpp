@@ -76,8 +76,8 @@ void export_surfaces(const Options& o, const TissueModel& model) {
 
 void export_law(const Options& o, const TissueModel& model) {
     if (!o.sets.empty())
-        throw MismatchError(o.file + ": is a law, the same whatever pushes; --sets chooses among spring sets");
-    if (o.to == "sofa") throw MismatchError(o.file + ": is a law, and " + sofa_lacks);
+        throw MismatchError(o.file + ": is an energy model, one for all pushes; --sets chooses among spring sets");
+    if (o.to == "sofa") throw MismatchError(o.file + ": is an energy model, and " + sofa_lacks);
     if (!model.energy_law->relaxation.empty())
         std::cerr << "tissuectl export: " << o.file << " relaxes: pushes are answered by its instantaneous constants, before anything has relaxed\n";
     if (o.draws_surface()) return export_surfaces(o, model);
@@ -107,7 +107,7 @@ void export_model(const Options& o) {
     const TissueModel model = read_model(Hdf5Reader(o.file, "model"));
     if (model.energy_law) return export_law(o, model);
     if (o.draws_surface()) throw MismatchError(fmt::format("{}: is of spring sets, in the plane; --to {} draws the surface of a model in space", o.file, o.to));
-    if (model.mesh.is_solid()) throw MismatchError(o.file + ": is a model in space without a law; spring sets are of the plane");
+    if (model.mesh.is_solid()) throw MismatchError(o.file + ": is a model in space without an energy model; spring sets are of the plane");
     if (o.to == "sofa" && o.set.empty())
         throw MismatchError(
             "a SOFA scene has one spring set: name it with --set (a load case of the model, or one_set)");

@@ -43,7 +43,7 @@ void run(const Options& o, Provenance provenance) {
                              100 * m.force_noise, 1e3 * m.displacement_noise_m);
     if (!cases.histories.empty()) {
         const auto count = [&](const char* role) { return std::count_if(cases.histories.begin(), cases.histories.end(), [&](const History& h) { return h.role == role; }); };
-        std::cerr << fmt::format("import {}: {} histories: {} to fit shares to, {} to choose with, {} held out\n", o.histories, cases.histories.size(), count("train"),
+        std::cerr << fmt::format("import {}: {} histories: {} to fit moduli to, {} for validation, {} for the test\n", o.histories, cases.histories.size(), count("train"),
                                  count("validation"), count("held_out"));
     }
     for (const std::string& doubt : measured_doubts(study, table)) std::cerr << fmt::format("import {}: warning: {}\n", o.data, doubt);

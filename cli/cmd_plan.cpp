@@ -31,7 +31,7 @@ void run(const Options& o) {
 
 void add_plan(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("plan", "Write what make needs to know of a study: targets and arguments.");
+    CLI::App* command = app.add_subcommand("plan", "Write make's targets and arguments for a study.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--out", o->out, "make fragment; its parts go to plan/ beside it")
         ->required()

@@ -121,10 +121,10 @@ void add_serve(CLI::App& app, const Invocation& invocation) {
     command->add_option("--surface", o->surface, "the organ's own surface, such as its .stl, which the page draws in place of the model's coarser one; of the first model, in space")->type_name("FILE");
     add_unit_option(*command, o->unit);
     command->get_option("--unit")->needs("--surface");
-    CLI::Option* hidden = command->add_option("--hidden", o->hidden, "model.h5 of another tissue: the tool touches it too, unseen, and the model, a law, "
+    CLI::Option* hidden = command->add_option("--hidden", o->hidden, "model.h5 of another tissue: the tool touches it too, unseen, and the model, an energy model, "
                                                                     "learns from its force whenever the hand holds still")->type_name("FILE");
     command->add_option("--learn", o->learn, "model.h5 to write at the end, as it has learned to be")->type_name("FILE")->needs(hidden);
-    command->add_option("--journal", o->journal, "pokes learned from, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it")->type_name("FILE")->needs(hidden);
+    command->add_option("--journal", o->journal, "learned measurements, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it")->type_name("FILE")->needs(hidden);
     add_haptic_options(*command, tissuectl_serve, o->choices);
     command->callback([o, &invocation] {
         settle(*o);

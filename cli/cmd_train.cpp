@@ -51,7 +51,7 @@ void run(const Options& o, Provenance provenance) {
     Study study = read_study(o.study);
     if (o.seed) study.training.seed = *o.seed;
     if (study.springs.is_law() && (o.optimizer || o.iterations))
-        throw MismatchError("--optimizer and --iterations are of sets; the stiffness of study '" + study.name + "' is a law");
+        throw MismatchError("--optimizer and --iterations are of sets; study '" + study.name + "' has an energy model");
     if (o.optimizer) study.training.optimizer = *o.optimizer;
     if (o.iterations) study.training.iterations = *o.iterations;
     provenance.seed = study.training.seed;
@@ -82,7 +82,7 @@ void add_train(CLI::App& app, const Invocation& invocation) {
     auto o = std::make_shared<Options>();
     o->threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     CLI::App* command = app.add_subcommand(
-        "train", "Learn a spring set for every load case, or a law for all. Exit 3: written, but what promises convergence did not reach it.");
+        "train", "Train a spring set for every load case, or an energy model for all. Exit 3: written, but a training did not converge.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--cases", o->cases, "cases.h5 of tissuectl collect")->required()->type_name("FILE");
     command->add_option("--out", o->out, "model.h5 to write")->required()->type_name("FILE");

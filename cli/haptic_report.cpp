@@ -46,7 +46,7 @@ std::string describe(const std::string& program, const Simulation& simulation, c
     const HapticModel& model = simulation.model();
     const HapticOptions& o = model.options;
     const std::string stiffness =
-        model.is_law() ? "a law" : fmt::format("sets {} (nearest, by {})", o.sets, o.select_by == SelectBy::force ? "force" : "displacement");
+        model.is_law() ? "an energy model" : fmt::format("sets {} (nearest, by {})", o.sets, o.select_by == SelectBy::force ? "force" : "displacement");
     std::string text = fmt::format("{}: study '{}', {}, device {}\n", program, model.study, stiffness, names(devices));
     if (model.is_solid()) text += fmt::format("  tool: {} of {:g} mm radius\n", to_string(model.tool.shape), 1e3 * model.tool.radius_m);
     for (const auto& mesh : model.meshes)
@@ -58,7 +58,7 @@ std::string describe(const std::string& program, const Simulation& simulation, c
             text += fmt::format("  the {} mesh: its steps allow a contact damping of {:.2f} ms times the stiffness, not of {:.2f}\n", mesh->name, 1e3 * mesh->contact_damping_s, 1e3 * wanted_s);
     if (model.stiffness && model.stiffness->floppy() > 0)
         text += fmt::format("  the {} mesh can move for nothing: its shape at rest is not determined\n", model.is_law() ? "heuristic" : "learned");
-    text += fmt::format("  coupling {}\n", model.stiffness ? fmt::format("up to {:.3g} N/m", *o.coupling_ratio * model.stiffness->largest()) : "none: the law's own contact");
+    text += fmt::format("  coupling {}\n", model.stiffness ? fmt::format("up to {:.3g} N/m", *o.coupling_ratio * model.stiffness->largest()) : "none: the contact of the energy model");
     for (int t = 0; t < simulation.tool_count(); ++t) {
         const HapticOptions& own = simulation.options(t);
         text += fmt::format("  {}force scale {:g}, position scale {:g}, at most {:g} N, {:g} N/s, {:g} m/s\n", t == 0 ? "" : "second tool: ", own.map.force_scale, own.map.scale, own.safety.force_max_N, own.safety.slew_N_s,

@@ -118,11 +118,11 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
     write_file(o.out, cli::realtime_json(model, presses, jumps));
 }
 
-/// "tissue-haptic 12.5 s: learned, felt 0.2 N, expected 0.3 N +- 5 %", with a warning's line after it.
+/// "tissue-haptic 12.5 s: learned, measured 0.2 N, expected 0.3 N +- 5 %", with a warning's line after it.
 std::string told(const Learner::Line& line) {
     const PokeAnswer& a = line.answer;
     std::string text = fmt::format("tissue-haptic {:.1f} s: {}{}\n", line.time_s, to_string(a.status),
-                                   a.status == PokeStatus::learned ? fmt::format(", felt {:.3g} N, expected {:.3g} N +- {:.2g} %", line.poke.force_N.norm(), a.expected_N.norm(), 100 * a.expected_sd)
+                                   a.status == PokeStatus::learned ? fmt::format(", measured {:.3g} N, expected {:.3g} N +- {:.2g} %", line.poke.force_N.norm(), a.expected_N.norm(), 100 * a.expected_sd)
                                                                    : ": " + a.why);
     if (!a.warning.empty()) text += "tissue-haptic: " + a.warning + '\n';
     return text;
@@ -206,7 +206,7 @@ void run(const Options& o, Provenance provenance) {
         provenance.seed = o.seed;
         write_adapted_model(o.learn, *adaptation, provenance);
         const Adaptation::State& state = adaptation->state();
-        std::cerr << fmt::format("tissue-haptic: {} readings, {} learned, {} not believed, {} refused, {} dropped: {}\n", learner->readings(), state.learned, state.gated,
+        std::cerr << fmt::format("tissue-haptic: {} measurements, {} learned, {} gated, {} refused, {} dropped: {}\n", learner->readings(), state.learned, state.gated,
                                  state.refused, learner->dropped(), o.learn);
     });
     end.then([&] {
@@ -246,9 +246,9 @@ void add_options(CLI::App& app, Options& o) {
             }
     cli::add_haptic_options(app, tissue_haptic, o.choices);
     cli::add_second_options(app, tissue_haptic, second, o.choices);
-    CLI::Option* learn = app.add_option("--learn", o.learn, "learn from a device that feels force, and write the model here at the end; of a law")->type_name("FILE");
-    app.add_option("--journal", o.journal, "pokes learned from, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
-    app.add_flag("--forget", o.forget, "learn from the law as it was trained")->needs(learn);
+    CLI::Option* learn = app.add_option("--learn", o.learn, "learn from a device that measures force, and write the adapted model here at the end; of energy models")->type_name("FILE");
+    app.add_option("--journal", o.journal, "learned measurements, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
+    app.add_flag("--forget", o.forget, "start again from the trained model")->needs(learn);
     CLI::Option* hidden = app.add_option("--hidden", o.hidden, "model.h5 of another tissue that the device touches, and whose force it feels: to try --learn")->type_name("FILE");
     CLI::Option* check = app.add_option("--check", o.check, "press the held-out contacts, or else the cases, of this file; no device, no clock")->type_name("FILE");
     CLI::Option* out = app.add_option("--out", o.out, "of --check: realtime.json to write")->type_name("FILE");

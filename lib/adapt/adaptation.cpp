@@ -219,7 +219,7 @@ std::string Adaptation::refusal(const Poke& poke) const {
 
 std::string Adaptation::warning() const {
     if (state_.gated_in_a_row >= another_tissue)
-        return fmt::format("{} readings in a row are not believed: another tissue, or a sensor that drifts; begin anew with --forget", state_.gated_in_a_row);
+        return fmt::format("{} measurements in a row were gated: another tissue, or a sensor that drifts; start again with --forget", state_.gated_in_a_row);
     if (state_.recent.size() < window) return "";
     const double mean = std::accumulate(state_.recent.begin(), state_.recent.end(), 0.0) / static_cast<double>(window);
     if (mean < suspicious) return "";

@@ -213,7 +213,7 @@ ToolChoice tool_of(const TissueModel& model, ToolChoice asked) {
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     : study(model.study), tool(tool_of(model, given.tool)), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
     check_options(given);
-    if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is a law; this one has none");
+    if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is an energy model; this one is not");
     if (given.tools > 1 && (!model.energy_law || given.heuristic_mesh))
         throw MismatchError(!model.energy_law ? "two tools press an energy model alone, and this one has spring sets" : "two tools press the learned mesh alone, without the heuristic mesh beside it");
     if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
@@ -231,9 +231,9 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
 
     std::vector<int> first_set(static_cast<std::size_t>(model.mesh.facets.rows()), 0);  // the heuristic mesh has one
     if (model.energy_law) {
-        if (!o.sets.empty()) throw MismatchError(fmt::format("spring sets '{}': the model is a law, and has none", o.sets));
-        if (o.select_by != SelectBy::displacement) throw MismatchError("the model is a law: there is nothing to select by force");
-        if (given.innovation) throw MismatchError("innovation: the model is a law, and averages no sets");
+        if (!o.sets.empty()) throw MismatchError(fmt::format("spring sets '{}': an energy model has none", o.sets));
+        if (o.select_by != SelectBy::displacement) throw MismatchError("an energy model has no sets to select by force");
+        if (given.innovation) throw MismatchError("innovation: an energy model averages no sets");
         set_names.clear();
         meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension()), tool));
     } else {
@@ -250,7 +250,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     else if (o.heuristic_mesh)
         meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside, model.node_mass_kg));  // of the instantaneous E: it remembers nothing
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
-    if (springs == meshes.end() && given.coupling_ratio) throw MismatchError("coupling: the model is a law with a contact of its own, and no mesh of springs stands beside it");
+    if (springs == meshes.end() && given.coupling_ratio) throw MismatchError("coupling: an energy model has its own contact, and without the heuristic mesh there are no spring sets");
     if (o.energy_book && (!is_law() || model.energy_law->relaxation.empty())) throw MismatchError("energy-book: the model does not relax, and has no branches to book");
     if (springs != meshes.end())
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);

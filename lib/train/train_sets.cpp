@@ -44,7 +44,7 @@ ProblemRecord record_of(const Objective& objective, const TrainingProblems& prob
 }  // namespace
 
 TrainedModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress) {
-    if (study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no sets: its stiffness is a law");
+    if (study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no spring sets: it has an energy model");
     if (cases.measurement)
         throw MismatchError("these cases are measured: they can train a law, and study '" + study.name + "' has sets");
     const Objective& objective = *objectives().at(study.training.objective);

@@ -536,8 +536,8 @@ TEST_CASE("options that make no sense are refused", "[simulation]") {
         change(o);
         return refusal<MismatchError>([&] { HapticModel(law, o); });
     };
-    CHECK(refused_of_law([](HapticOptions& o) { o.sets = "optimum"; }).find("is a law") != std::string::npos);
-    CHECK(refused_of_law([](HapticOptions& o) { o.select_by = SelectBy::force; }).find("is a law") != std::string::npos);
+    CHECK(refused_of_law([](HapticOptions& o) { o.sets = "optimum"; }).find("energy model has no") != std::string::npos);
+    CHECK(refused_of_law([](HapticOptions& o) { o.select_by = SelectBy::force; }).find("energy model has no") != std::string::npos);
     for (const char* step : {"implicit", "paper"})
         CHECK(refused_of_law([&](HapticOptions& o) { o.dynamics = step; }).find(step) != std::string::npos);
 }

@@ -322,7 +322,7 @@ TEST_CASE("loops of the tool over depth and direction give the hand nothing", "[
 TEST_CASE("a model in space without a law, and options of another dimension, are refused", "[simulation][solid]") {
     TissueModel none = solid_example();
     none.energy_law.reset();
-    CHECK(refusal<MismatchError>([&] { HapticModel(none, {}); }) == "a model in space is a law; this one has none");
+    CHECK(refusal<MismatchError>([&] { HapticModel(none, {}); }) == "a model in space is an energy model; this one is not");
     HapticOptions plane;
     plane.map.axes = parse_axes("x,y");
     CHECK(refusal<MismatchError>([&] { HapticModel(solid_example(), plane); }) == "axes: 2 device axes for a tissue of 3");

@@ -11,7 +11,7 @@ adapt() { "$TISSUECTL" adapt "$@" >"$scratch/out" 2>"$scratch/log"; }
 check "a file of pokes is learned from" adapt "$model" --data "$pokes" --held-out "$pokes" --next 2 --json --out "$scratch/whole.h5"
 check "held-out errors before and after stand there, and fall" "$PYTHON" -c 'import json, re, sys
 log, out = open(sys.argv[1]).read(), [json.loads(line) for line in open(sys.argv[2])]
-before = float(re.search("before the first poke: held out ([0-9.]+)", log).group(1))
+before = float(re.search("before the first measurement: test ([0-9.]+)", log).group(1))
 learned = [r for r in out if r.get("status") == "learned"]
 after = 100 * learned[-1]["held_out"]["median"]
 assert len(learned) > 40 and after < 0.5 * before, (before, after, len(learned))
@@ -26,13 +26,13 @@ dead = ["0" if name.startswith("force_") else value for name, value in zip(head,
 csv.writer(open(sys.argv[2], "w")).writerows([head, first, far, dead])
 PY
 check "a held-out poke that is none of the tissue is no reference, and no error of the model" sh -c "
-    '$TISSUECTL' adapt '$model' --data '$pokes' --first 1 --held-out '$scratch/not_of_it.csv' --out '$scratch/one.h5' 2>&1 | grep -q '1 of 3 pokes, 2 without a reference'"
+    '$TISSUECTL' adapt '$model' --data '$pokes' --first 1 --held-out '$scratch/not_of_it.csv' --out '$scratch/one.h5' 2>&1 | grep -q '1 of 3 measurements, 2 without a reference'"
 check "the model plays" "$TISSUE_HAPTIC" "$scratch/whole.h5" --seconds 0.2 --no-realtime
 check "info names what was learned" sh -c "'$TISSUECTL' info '$scratch/whole.h5' | grep -q adaptation/covariance"
 
 awk -F, -v OFS=, 'NR > 1 { for (k = 5; k <= NF; ++k) $k *= 1000 } 1' "$pokes" >"$scratch/millinewtons.csv"
-check "pokes in another unit are not believed" adapt "$model" --data "$scratch/millinewtons.csv" --out "$scratch/unit.h5"
-check "and a line asks for the unit" grep -q 'readings that were not believed are .* times the force expected: is a unit in the header wrong' "$scratch/log"
+check "measurements in another unit are gated" adapt "$model" --data "$scratch/millinewtons.csv" --out "$scratch/unit.h5"
+check "and a line asks for the unit" grep -q 'gated measurements are .* times the predicted force: is a unit in the header wrong' "$scratch/log"
 
 # ---- going on: by the options that the file was begun with
 for option in "--noise 0.5" "--model-error 0.5" "--place-error 0.01" "--unknowns scale" "--no-rival"; do
@@ -89,7 +89,7 @@ check "and learned nothing from" grep -q 'adapt: 0 learned' "$scratch/log"
 # ---- while it plays
 check "a hand that probes a hidden tissue teaches the law" sh -c "'$TISSUE_HAPTIC' '$model' --motion probe --depth 0.004 --seconds 6 --no-clock --json \
     --hidden '$scratch/whole.h5' --learn '$scratch/live.h5' --journal '$scratch/live.csv' --record '$scratch/live-record.h5' >'$scratch/out' 2>'$scratch/log'"
-check "it says what it read and learned" grep -q '[1-9][0-9]* readings, [1-9][0-9]* learned' "$scratch/log"
+check "it says what it read and learned" grep -q '[1-9][0-9]* measurements, [1-9][0-9]* learned' "$scratch/log"
 check "without a clock it takes every tick, records each, and says so" "$PYTHON" -c 'import h5py, json, numpy, sys
 said = json.load(open(sys.argv[1]))
 assert said["ticks"] == 6000 and said["misses"] == 0 and said["details"]["clock"] is False and said["details"]["lost_s"] == 0, said

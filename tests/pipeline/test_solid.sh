@@ -107,7 +107,7 @@ check "its held-out contacts pressed in motion" exited 0
 check "rest, and where the static answer is" "$PYTHON" -c "import json, sys
 j = json.load(open(sys.argv[1]))
 assert all(p['rested'] for p in j['presses']) and j['static_error']['max'] < 1e-3, j['static_error']" "$work/realtime.json"
-refused "a SOFA scene of a model in space" "model.h5: is a law, and SOFA has no force field" $T export $model --to sofa --out "$out/x.scn"
+refused "a SOFA scene of a model in space" "model.h5: is an energy model, and SOFA has no force field" $T export $model --to sofa --out "$out/x.scn"
 check "no file was begun" absent "$out/x.scn"
 refused "cases in space for a study in the plane" "144 nodes that are not the 11 x 11 lattice" \
     $T train --study fem/studies/surface-quick.toml --cases results/solid/cases.h5 --out results/solid/model.h5

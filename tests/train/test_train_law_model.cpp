@@ -379,7 +379,7 @@ TEST_CASE("a fit that ended short of its tolerances, or lost pushes, is a broken
 
 TEST_CASE("sets are not trained for a law's study, nor a law for that of sets", "[law]") {
     const Study law = example_study(law_text()), sets = example_study();
-    CHECK_THAT(refusal<MismatchError>([&] { train_sets(law, law_cases(law), 1); }), Contains("is a law"));
+    CHECK_THAT(refusal<MismatchError>([&] { train_sets(law, law_cases(law), 1); }), Contains("has an energy model"));
     CHECK_THAT(refusal<MismatchError>([&] { train_law_model(sets, law_cases(law), 1); }), Contains("is sets"));
 }
 
