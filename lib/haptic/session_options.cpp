@@ -122,7 +122,7 @@ const std::vector<SessionOption>& session_options() {
          "Default: none. One number for each axis of the model."},
         {"rotation", "rad", {-100, 100, true, true}, tissue_haptic | interfaces | live, [](O& o) -> auto& { return o.map.rotation_rad; }, "rotation of the device before axes: a turn by the length of this vector about its direction, three numbers",
          "0 0 1.5708 takes the device's x to its y. Default: none."},
-        {"device-mass", "kg", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.mass_kg; }, "apparent mass of the device at its tool, nobody holding it; 0: not known",
+        {"device-mass", "kg", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.mass_kg; }, "apparent mass of the device at its tool, without a hand; 0: not known",
          "A tissue that no hand could hold still on a device of this mass is refused, with the largest force-scale that is possible; it is judged at dt, which a host that ticks more slowly states as its own. A Touch has 0.045 kg, and its force follows a position one servo period late; tissue-haptic knows both. Nothing is promised for positions that are older than they say, or, of a device that is not known, older than half of dt. Without a mass nothing is refused, and nothing promised."},
         {"device-damping", "Ns/m", {0, inf, true}, everywhere | live, [](O& o) -> auto& { return o.device.damping_Ns_m; }, "viscous damping of the device itself; device-mass is set first",
          "It makes a stiffer tissue possible. Data sheets seldom have it; 0 relies on none."},

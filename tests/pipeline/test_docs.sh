@@ -6,10 +6,13 @@ pages="README.md results/RESULTS.md results/FORMATS.md cli/README.md lib/README.
 sitting() { [ "$(wc -l <"$1")" -le 150 ] || { echo "$1: $(wc -l <"$1") lines"; return 1; }; }
 # shellcheck disable=SC2086  # names without blanks
 links() { "$PYTHON" "$root/tests/pipeline/docs_links.py" "$1" ${2:-$pages}; }
+# shellcheck disable=SC2086
+words() { "$PYTHON" "$root/tests/pipeline/docs_words.py" "$1" ${2:-$pages SECURITY.md}; }
 tables() { "$PYTHON" "$1/scripts/reference.py" --check; }
 
 check "README has at most 150 lines" sitting "$root/README.md"
 check "every relative link and picture leads to a file, or to a heading of one" links "$root"
+check "documents have the words of lib/GLOSSARY.md" words "$root"
 check "README's table and those of results/RESULTS.md are what the records say" tables "$root"
 
 # the checks themselves, on a copy with one thing wrong at a time
@@ -52,4 +55,6 @@ wrong "a link to a file that is not there" "page.md: link to lib/gone.h" links "
 wrong "a picture that is not there" "page.md: link to results/reference/gone.png" links "$work" page.md
 echo "[gone](README.md#no-such-heading)" >"$work/page.md"
 wrong "a link to a heading that is not there" "page.md: link to README.md#no-such-heading" links "$work" page.md
+echo "The truth stands beside the law." >"$work/page.md"
+wrong "an older word" "page.md:1: 'truth': write FE reference" words "$work" page.md
 finish
