@@ -82,7 +82,7 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
                                         options.damping_1_s));
     const DynamicsKind* kind = dynamics_kinds().at(name);
     if (kind != &symplectic_dynamics && options.law)
-        throw MismatchError(fmt::format("a law is stepped by '{}', not by '{}'", symplectic_dynamics.name, name));
+        throw MismatchError(fmt::format("an energy model is stepped by '{}', not by '{}'", symplectic_dynamics.name, name));
     if (!options.law && !mesh.embedding().empty()) throw MismatchError("an embedded lattice plays by its law alone");
     return kind->make(mesh, options);
 }

@@ -11,6 +11,7 @@ namespace tissue {
 namespace {
 
 constexpr int most_steps = 4, most_halvings = 6;  // of one tick
+constexpr double farthest_m = 0.05;               // outside the cone
 constexpr double on_cone = 1e-3;                  // of the cone's own size: nearer is on it
 constexpr double longest = 0.5;                   // step, in spacings of the surface's nodes: the contact's rows change little
 
@@ -47,9 +48,9 @@ Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, cons
         const Point push = tool_m - touched_m;
         const Pull pull(push, u, tool, memory);
         if (!pull.outside(slips ? slip_ : cone())) break;
+        if (!slips) drags = pull.direction;  // later steps correct this one
         slips = true;
         slipping_ = true;
-        drags = pull.direction;
         const double stiffness = pull.direction.dot(tool.stiffness_N_m(push, u, &memory) * pull.direction);
         if (!(stiffness > 0)) break;
         double way_m = std::min((pull.drag_N - slip_ * pull.pressed_N) / stiffness, longest * surface.spacing_m());
@@ -87,8 +88,8 @@ Point Friction::outside(const Point& push, const NodeColumns& u, const ToolSprin
         if (!pull.outside(cone())) break;
         const double stiffness = pull.direction.dot(tool.stiffness_N_m(push - sum, u, &memory) * pull.direction);
         if (!(stiffness > 0)) break;
-        double way_m = std::min((pull.drag_N - cone() * pull.pressed_N) / stiffness, std::abs((push - sum).dot(pull.direction)));
-        for (int half = 0; half < most_halvings && tool.hand_N(push - sum - way_m * pull.direction, u, &memory).dot(pull.direction) < 0; ++half) way_m /= 2;
+        double way_m = std::min((pull.drag_N - cone() * pull.pressed_N) / stiffness, farthest_m);  // where the tool shows its largest force it is next to not stiff
+        for (int half = 0; half < 2 * most_halvings && tool.hand_N(push - sum - way_m * pull.direction, u, &memory).dot(pull.direction) < 0; ++half) way_m /= 2;
         sum += way_m * pull.direction;
     }
     return sum;

@@ -21,7 +21,7 @@ TISSUE_HOT void average(int n, double gamma, const double* __restrict set, doubl
 namespace {
 
 constexpr double swings_out_s = 0.5;  ///< a tool that touches again so soon meets what its last contact has left in motion, and belongs to it
-constexpr double carried_s = 0.1;    ///< the force of a session that was taken over gives way to that of this one with this time constant
+constexpr double carried_s = 0.1;    ///< the force of a session that was taken over fades with this time constant
 constexpr int most_periods = 16;  ///< that a mesh goes through in one tick, to make up for late ones
 
 }  // namespace
@@ -293,12 +293,21 @@ Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
     if (!t.armed) return t.record.device_N = t.safety.stop();
     Eigen::Vector3d wanted = t.options.map.force_to_device(t.record.coupling_N);
     if (std::exchange(t.taken_over, false)) {
-        t.carried_N = t.safety.force_N();
-        t.carried = 1;
+        t.carried = t.record.slipping ? 1 : 0;
+        t.carried_N = t.record.slipping ? t.safety.force_N() : Eigen::Vector3d(t.safety.force_N() - wanted);
     }
-    if (!t.contact.contact) t.carried = 0;
-    wanted += t.carried * (t.carried_N - wanted);  // what this tissue still swings, where its contact has to slip to where the hand is by now, comes out little by little
-    t.carried *= std::exp(-since_s / carried_s);
+    if (!t.contact.contact) {
+        t.carried = 0;
+        t.carried_N.setZero();
+    }
+    const double fades = std::exp(-since_s / carried_s);
+    if (t.carried > 0) {  // the contact had to slip to where the hand is by now: what the tissue swings from that comes out little by little
+        wanted += t.carried * (t.carried_N - wanted);
+        t.carried *= fades;
+    } else {
+        wanted += t.carried_N;
+        t.carried_N *= fades;
+    }
     if (t.clutched) wanted.setZero();
     return t.record.device_N = t.safety.limit(wanted, !t.clutched);
 }

@@ -199,7 +199,7 @@ class Simulation {
         bool went_on;         ///< it slipped in the step before too
     };
     Slip slide(ToolState& t) noexcept;
-    Point glide(const ToolState& t, const Slip& slip, const Point& to_m, double seconds) noexcept;
+    Point glide(ToolState& t, const Slip& slip, const Point& to_m, double seconds) noexcept;
     void lay_tool(ToolState& t, const Point& push_m) noexcept;
     void hold_tool(ToolState& t) noexcept;
     bool tool_pushes(const ToolState& t, const Point& tool_m) const noexcept;

@@ -95,9 +95,9 @@ void Simulation::hold_tool(ToolState& t) noexcept {
     const Point& master_m = t.record.master_m;
     if (laws_[0]->contact_grows()) lay_tool(t, t.spring.shown_push(push_of(t, end_of(t), m), states_[m].displacement));
     t.contact.pressing = tool_pushes(t, end_of(t));
-    const Point push = push_of(t, master_m, m);
-    const double in_m = push.dot(t.spring.inward()), swing_s = 1 / std::max(model_.meshes[m]->lowest_frequency_Hz, 1.0);
-    const bool waits = !t.contact.pressing && period_s_ > 1.5 * model_.options.dt_s && t.untouched_s < swing_s && in_m > (push - in_m * t.spring.inward()).norm();
+    const Point inward = t.spring.inward(), placed = push_of(t, t.at_m, m);  // the contact was laid for the tool there
+    const double in_m = push_of(t, master_m, m).dot(inward), swing_s = 1 / std::max(model_.meshes[m]->lowest_frequency_Hz, 1.0);
+    const bool waits = !t.contact.pressing && period_s_ > 1.5 * model_.options.dt_s && t.untouched_s < swing_s && in_m > (placed - placed.dot(inward) * inward).norm();
     if (!surface.contains(master_m) &&
         ((!t.contact.pressing && !waits) || surface.nearest(master_m).distance_m > laws_[m]->spacing_m())) {
         t.contact.contact = t.contact.pressing = false;
@@ -117,11 +117,11 @@ Point Simulation::outside_cone(const ToolState& t, const Point& tool_m, const No
 }
 
 /// Where a tool will be at the end of the time in which this tick's force is held. Along the surface it is not led farther than friction holds it: a contact that slid for a hand that
-/// was expected would stay there when the hand stops.
+/// was expected would stay there when the hand stops. Spring sets have one step a tick, and are led.
 Point Simulation::end_of(const ToolState& t) const noexcept {
     const Point& master_m = t.record.master_m;
     const Point end_m = t.at_the_end(master_m, period_s_);
-    if (t.touched < 0 || !t.friction.finite()) return end_m;
+    if (t.touched < 0 || !on_law(t) || !t.friction.finite()) return end_m;
     const Point outside_m = outside_cone(t, end_m, states_[static_cast<std::size_t>(t.touched)].displacement);
     const double far_m = outside_m.norm();
     if (!(far_m > 0)) return end_m;
@@ -129,7 +129,7 @@ Point Simulation::end_of(const ToolState& t) const noexcept {
     return end_m - std::clamp((end_m - master_m).dot(direction), 0.0, far_m) * direction;
 }
 
-/// The contact goes along the surface where the tool, at the time to which the mesh has come, is outside the cone of friction.
+/// The contact goes along the surface where the tool, at the time to which the mesh has come (on spring sets where it was measured), is outside the cone of friction.
 Simulation::Slip Simulation::slide(ToolState& t) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     const HapticMesh& mesh = *model_.meshes[m];
@@ -144,7 +144,7 @@ Simulation::Slip Simulation::slide(ToolState& t) noexcept {
         t.contact.where.position_m = now.at(t.contact.where.facet, t.contact.where.weight);
     } else {
         slip.slid_m = -t.contact.where.position_m;
-        slip.drags = t.friction.slide(model_.surface, mesh.springs, now, t.coupling_N_m, t.at_m, t.contact.where);
+        slip.drags = t.friction.slide(model_.surface, mesh.springs, now, t.coupling_N_m, t.record.master_m, t.contact.where);
         slip.slid_m += t.contact.where.position_m;
         if (t.friction.slipping()) lay_tool(t, push_of(t, t.at_m, m));  // the law's mesh beside gets the force there
     }
@@ -156,9 +156,10 @@ Simulation::Slip Simulation::slide(ToolState& t) noexcept {
 
 /// How far a contact goes along with its tool while that goes from at_m to to_m (D), so that the force stays on the cone. One that slips goes on as it did, since tissue moves beneath it;
 /// one that reaches the cone on the way goes as far as the tool then is outside. It is laid there with the next step, when the tissue has answered.
-Point Simulation::glide(const ToolState& t, const Slip& slip, const Point& to_m, double seconds) noexcept {
+Point Simulation::glide(ToolState& t, const Slip& slip, const Point& to_m, double seconds) noexcept {
     constexpr double most = 2;
     const Point way_m = to_m - t.at_m;
+    if (!on_law(t)) return slip.slid_m;
     if (!t.friction.finite()) return Point::Zero(way_m.size());
     if (slip.drags.isZero(0)) {
         const MeshState& state = states_[static_cast<std::size_t>(t.touched)];
@@ -168,8 +169,9 @@ Point Simulation::glide(const ToolState& t, const Slip& slip, const Point& to_m,
         return far_m > 0 ? Point(std::clamp(way_m.dot(outside_m) / far_m, 0.0, far_m) / far_m * outside_m) : outside_m;
     }
     const double moved_m = t.went_m.dot(slip.drags);
-    const double share = slip.went_on && moved_m > 0 ? std::clamp(slip.slid_m.dot(slip.drags) / moved_m, 0.0, most) : 1;
-    return share * std::max(0.0, way_m.dot(slip.drags)) * slip.drags;
+    if (!slip.went_on) t.share = 1;
+    else if (moved_m > 0) t.share += (std::clamp(slip.slid_m.dot(slip.drags) / moved_m, 0.0, most) - t.share) / 2;  // at once it would swing where friction is little
+    return t.share * std::max(0.0, way_m.dot(slip.drags)) * slip.drags;
 }
 
 /// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.

@@ -17,7 +17,7 @@ void ToolState::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options.device;
     ToolSpring::Growth growth = spring.growth();
     state(options.map, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, device.rate_Hz, device.delay_s, safety, same_position_s, old_s, expected_s, stood_s, device_m, has_master,
-          clutched, taken_over, carried_N, carried, contact, touched, coupling_N_m, memory, at_m, went_m, velocity_m_s, touched_m, friction, armed, unarmed, untouched_s, record, growth);
+          clutched, taken_over, carried_N, carried, contact, touched, coupling_N_m, memory, at_m, went_m, share, velocity_m_s, touched_m, friction, armed, unarmed, untouched_s, record, growth);
     if (!state.reads()) return;
     options.friction = friction.options();
     options.safety = safety.options();
@@ -60,6 +60,7 @@ void ToolState::disarm(const Point& proxy_m) noexcept {
 
 void ToolState::forget_taken_over() noexcept {
     carried = 0;
+    carried_N.setZero();
     taken_over = false;
 }
 

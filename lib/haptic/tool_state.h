@@ -86,8 +86,8 @@ struct ToolState {
     bool has_master = false;      ///< there was one
     bool clutched = false;
     bool taken_over = false;      ///< and no tick since
-    Eigen::Vector3d carried_N = Eigen::Vector3d::Zero();  ///< last force of the session that was taken over
-    double carried = 0;           ///< and its share of the force
+    Eigen::Vector3d carried_N = Eigen::Vector3d::Zero();  ///< of the session that was taken over: its last force where the tool slipped then, else what that differs by
+    double carried = 0;           ///< share of the force that it has where the tool slipped
     ContactState contact;
     int touched = -1;             ///< mesh in contact
     double coupling_N_m = 0;      ///< k_C of this contact
@@ -95,6 +95,7 @@ struct ToolState {
     std::vector<ToolMemory> memory;  ///< of it on each mesh
     Point at_m;                   ///< the tool of this contact, at the time to which the touched mesh has come
     Point went_m;                 ///< how far it went in the step before (D)
+    double share = 1;             ///< of its tool's way along the surface that a contact which slips makes (Simulation::glide)
     Point velocity_m_s;           ///< of the master (D)
     Point touched_m;              ///< X_p of this contact, in the mesh's own coordinates
     Friction friction;

@@ -305,7 +305,7 @@ TEST_CASE("drawn contacts have shapes, of models that have one, and the median a
             for (Eigen::Index axis : {0, 1})
                 CHECK(std::abs(shape["displacement_m"][i][axis].get<double>() - u(i, axis)) <= tolerance::solve * u.norm());
     }
-    CHECK_THAT(to_markdown(e), Contains("its displacement error"));
+    CHECK_THAT(to_markdown(e), Contains("; displacement error"));
 }
 
 TEST_CASE("of drawn contacts the shapes kept are the median's and the worst's, in this order, as the learned springs have them") {

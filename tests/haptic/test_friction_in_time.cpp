@@ -110,7 +110,7 @@ TEST_CASE("a hand that drags feels the same where its positions are old, or come
     }
 }
 
-TEST_CASE("a hand that rubs is given nothing at any rate, and friction is booked no more than it puts in", "[friction][long]") {
+TEST_CASE("a hand that rubs slower than a sixth of the tick rate is given nothing, and friction is booked no more than it puts in", "[friction][long]") {
     for (const auto& [mu, rub_Hz] : {std::pair{0.1, 4.0}, {0.3, 8.0}}) {
         const HapticModel model(law_example(), rubbed(mu));
         const auto rub = [f = rub_Hz](double t) { return Eigen::Vector2d(0.05 + (t > 0.5 ? 0.005 * std::sin(2 * M_PI * f * (t - 0.5)) : 0), 0.1 - 0.004 * std::min(1.0, t / 0.3)); };
@@ -128,6 +128,35 @@ TEST_CASE("a hand that rubs is given nothing at any rate, and friction is booked
     }
 }
 
+TEST_CASE("a tool with little or no friction drags no more than that", "[friction]") {
+    for (const double mu : {0.0, 0.02, 0.05}) {
+        const HapticModel model(law_example(), rubbed(mu));
+        for (const double rate_Hz : {1000.0, 50.0})
+            for (const double speed_m_s : {0.1, 0.2}) {
+                const Run drag = run(model, {rate_Hz}, 0.5 + 0.04 / speed_m_s, [v = speed_m_s](double t) { return Eigen::Vector2d(0.03 + v * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); });
+                const Point mean_N = drag.mean(0.6, 2);
+                INFO("mu " << mu << ", " << rate_Hz << " Hz, " << speed_m_s << " m/s: mean " << mean_N.transpose() << " N, steepest " << drag.steepest(0.6, 2));
+                CHECK(std::abs(mean_N.x()) < (mu + 0.01) * -mean_N.y());
+                CHECK(drag.steepest(0.6, 2) < mu + 0.04);
+            }
+    }
+}
+
+TEST_CASE("a tool that comes in as it slips keeps its contact at a slow host", "[friction]") {
+    const HapticModel model(law_example(), rubbed(0.3));
+    for (const double rate_Hz : {100.0, 70.0, 50.0})
+        for (const double speed_m_s : {0.15, 0.3}) {
+            const Run lands = run(model, {rate_Hz}, 0.2, [v = speed_m_s](double t) { return Eigen::Vector2d(0.03 + v * t, 0.102 - 0.006 * std::min(1.0, t / 0.12)); });
+            bool touched = false;
+            for (std::size_t k = 0; k < lands.time_s.size(); ++k) {
+                INFO(rate_Hz << " Hz, " << speed_m_s << " m/s, at " << lands.time_s[k] << " s: " << lands.force_N[k].transpose() << " N");
+                if (touched) CHECK(lands.force_N[k].y() < 0);
+                touched = touched || lands.force_N[k].y() < -0.05;
+            }
+            CHECK(touched);
+        }
+}
+
 TEST_CASE("after a stall while it drags the tool feels friction the way that it goes", "[friction]") {
     const HapticModel model(law_example(), rubbed(0.3));
     for (const double stall_s : {0.003, 0.005, 0.01, 0.02, 0.15}) {
@@ -136,7 +165,7 @@ TEST_CASE("after a stall while it drags the tool feels friction the way that it 
             if (stalled.time_s[k] < 0.6) continue;
             const Point& force_N = stalled.force_N[k];
             INFO("stall of " << 1e3 * stall_s << " ms, at " << stalled.time_s[k] << " s: " << force_N.transpose() << " N");
-            CHECK(force_N.x() > (stall_s < 0.1 ? 0 : 0.1 * force_N.y()));
+            CHECK(force_N.x() > (stall_s < 0.1 ? 0 : 0.3 * force_N.y()));  // 15 mm farther on tissue swings within the cone
             CHECK(force_N.x() < 0.4 * -force_N.y());
         }
     }

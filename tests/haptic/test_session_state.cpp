@@ -437,6 +437,27 @@ TEST_CASE("a session that is taken over while the tool slips goes on without a j
     }
 }
 
+TEST_CASE("a session that was taken over feels what a hand does next as the one that played on", "[state]") {
+    for (const double to_m : {0.008, -0.002}) {  // deeper, and out
+        const HapticModel model(law_example(), alone());
+        Simulation plays(model);
+        press(plays, -0.002, 0.004, 0.04);
+        Simulation next(model);
+        next.follow(plays);
+        next.take_over(plays);
+        double most_N = 0, off_N = 0;
+        for (int k = 1; k <= 250; ++k) {
+            const double part = std::min(1.0, k / 200.0), depth_m = 0.004 + (to_m - 0.004) * part * part * part * (10 - 15 * part + 6 * part * part);
+            const Eigen::Vector3d usual_N = plays.tick(top(depth_m, 0.04)), force_N = next.tick(top(depth_m, 0.04));
+            INFO("tick " << k << " at " << depth_m << " m: " << force_N.transpose() << " N, of the one that plays on " << usual_N.transpose());
+            most_N = std::max(most_N, usual_N.norm());
+            off_N = std::max(off_N, (force_N - usual_N).norm());
+        }
+        INFO("to " << to_m << " m: off by " << off_N << " N of " << most_N);
+        CHECK(off_N < 0.25 * most_N);
+    }
+}
+
 TEST_CASE("a session takes over no contact that has begun since it was led there", "[state]") {
     const HapticModel model(law_example(), alone());
     Simulation plays(model);

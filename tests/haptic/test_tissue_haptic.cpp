@@ -380,7 +380,7 @@ TEST_CASE("tissue-haptic: a law plays, is recorded and replayed, and knows no se
     const Ended ended = run(folder, model + " --seconds 1 --motion sine --json --record " + folder.file("s.h5"));
     INFO(ended.err);
     REQUIRE(ended.status == 0);
-    CHECK(ended.err.find("a law") != std::string::npos);
+    CHECK(ended.err.find("an energy model") != std::string::npos);
     const nlohmann::json j = nlohmann::json::parse(ended.out);
     CHECK(j["details"]["dynamics"]["learned"]["substeps"] == 3);
     CHECK(j["force_max_N"] > 0.1);
@@ -392,7 +392,7 @@ TEST_CASE("tissue-haptic: a law plays, is recorded and replayed, and knows no se
         const Ended refused = run(folder, model + " " + option);
         CHECK(refused.status == 1);
         CHECK(std::count(refused.err.begin(), refused.err.end(), '\n') == 1);
-        CHECK(refused.err.find("law") != std::string::npos);
+        CHECK(refused.err.find("energy model") != std::string::npos);
     }
 }
 
