@@ -251,9 +251,9 @@ void add_adapt(CLI::App& app, const Invocation& invocation) {
     command->add_option("--next", o->next, "print so many places to measure next, the most informative first")->type_name("count")->capture_default_str()->check(CLI::Range(0, 1000));
     command->add_option("--next-depth", o->next_depth_m, "of those pushes")->type_name("m")->capture_default_str()->check(CLI::Range(1e-4, 0.1));
     command->add_option("--unknowns", o->adapt.unknowns, "what may be another: scale, terms, field or elements")->type_name("NAME")->capture_default_str()->check(CLI::IsMember(unknown_kinds()));
-    command->add_flag("--no-rival", o->no_rival, "of field and elements: without the comparison model of one scale for all the tissue, which is used while it is the likelier");
+    command->add_flag("--no-rival", o->no_rival, "of field and elements: without the second model, one scale for all the tissue, which is used while it is more probable");
     command->add_option("--noise", o->adapt.force_noise, "standard deviation of a component of force, over the force")->type_name("1")->capture_default_str()->check(CLI::Range(0.0, 0.5));
-    command->add_option("--model-error", o->adapt.model_error, "model error, standard deviation [share of force]")->type_name("1")->capture_default_str()->check(CLI::Range(0.001, 0.5));
+    command->add_option("--model-error", o->adapt.model_error, "standard deviation of the model's error, as a share of the force")->type_name("1")->capture_default_str()->check(CLI::Range(0.001, 0.5));
     command->add_option("--readings", o->readings, "of tissue that relaxes: long-term, when it had come to rest, or instantaneous, before it had relaxed")
         ->type_name("WORD")->capture_default_str()->check(CLI::IsMember({"long-term", "instantaneous"}));
     command->add_option("--place-error", o->adapt.place_error_m, "standard deviation of a contact's place along the surface")->type_name("m")->capture_default_str()->check(CLI::Range(0.0, 0.05));

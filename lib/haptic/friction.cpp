@@ -24,6 +24,11 @@ struct Pull {
         drag_N = direction.norm();
         if (drag_N > 0) direction /= drag_N;
     }
+    /// How far along the surface the tool is outside the cone of mu [m]; 0 where it is not stiff that way.
+    double outside_m(double mu, const Point& push, const NodeColumns& u, const ToolSpring& tool, const ToolMemory& memory) const noexcept {
+        const double stiffness = direction.dot(tool.stiffness_N_m(push, u, &memory) * direction);
+        return stiffness > 0 ? (drag_N - mu * pressed_N) / stiffness : 0;
+    }
     bool outside(double mu) const { return drag_N > mu * pressed_N + on_cone * (mu * pressed_N + 1e-6 * drag_N); }
 
     double pressed_N, drag_N;
@@ -51,9 +56,7 @@ Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, cons
         if (!slips) drags = pull.direction;  // later steps correct this one
         slips = true;
         slipping_ = true;
-        const double stiffness = pull.direction.dot(tool.stiffness_N_m(push, u, &memory) * pull.direction);
-        if (!(stiffness > 0)) break;
-        double way_m = std::min((pull.drag_N - slip_ * pull.pressed_N) / stiffness, longest * surface.spacing_m());
+        double way_m = std::min(pull.outside_m(slip_, push, u, tool, memory), longest * surface.spacing_m());
         const double before_J = tool.energy_J(push, u, &memory);
         bool falls = false;
         for (int half = 0; half < most_halvings && !falls; ++half, way_m /= 2) {
@@ -86,35 +89,28 @@ Point Friction::outside(const Point& push, const NodeColumns& u, const ToolSprin
     for (int step = 0; step < most_steps; ++step) {
         const Pull pull(push - sum, u, tool, memory);
         if (!pull.outside(cone())) break;
-        const double stiffness = pull.direction.dot(tool.stiffness_N_m(push - sum, u, &memory) * pull.direction);
-        if (!(stiffness > 0)) break;
-        double way_m = std::min((pull.drag_N - cone() * pull.pressed_N) / stiffness, farthest_m);  // where the tool shows its largest force it is next to not stiff
+        double way_m = std::min(pull.outside_m(cone(), push - sum, u, tool, memory), farthest_m);  // where the tool shows its largest force it is next to not stiff
         for (int half = 0; half < 2 * most_halvings && tool.hand_N(push - sum - way_m * pull.direction, u, &memory).dot(pull.direction) < 0; ++half) way_m /= 2;
         sum += way_m * pull.direction;
     }
     return sum;
 }
 
-/// In the plane, where springs alone are played: along the segment at rest, as its nodes go up and down while the tool passes.
-Point Friction::outside(const RealtimeMesh& mesh, double coupling_N_m, const Point& tool_m, const SurfacePlace& where) const noexcept {
+Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m,
+                     SurfacePlace& where) noexcept {
+    if (std::isinf(stick_)) return Point::Zero(2);
+    // in the plane, where springs alone are played: along the segment at rest, as its nodes go up and down while the tool passes
     const Eigen::Vector2d from = mesh.rest_place(where.facet, {1, 0, 0}), to = mesh.rest_place(where.facet, {0, 1, 0});
     const Eigen::Vector2d tangent = (to - from).normalized(), inward(-tangent.y(), tangent.x());
     const Eigen::Vector2d gap = tool_m - where.position_m;
     const double pressed = std::max(0.0, coupling_N_m * gap.dot(inward)), drag = coupling_N_m * gap.dot(tangent);
-    if (std::isinf(stick_) || !(std::abs(drag) > cone() * pressed * (1 + on_cone))) return Point::Zero(2);
-    return std::copysign((std::abs(drag) - slip_ * pressed) / coupling_N_m, drag) * tangent;
-}
-
-Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m,
-                     SurfacePlace& where) noexcept {
-    const Point outside_m = outside(mesh, coupling_N_m, tool_m, where);
-    const double far_m = outside_m.norm();
-    slipping_ = far_m > 0;
-    if (!slipping_) return outside_m;
-    double way_m = std::min(far_m, longest * surface.spacing_m());
+    slipping_ = std::abs(drag) > cone() * pressed * (1 + on_cone);
+    if (!slipping_) return Point::Zero(2);
+    const Point drags = std::copysign(1.0, drag) * tangent;
+    double way_m = std::min((std::abs(drag) - slip_ * pressed) / coupling_N_m, longest * surface.spacing_m());
     const double before_J = coupling_N_m * (tool_m - where.position_m).squaredNorm() / 2;
     for (int half = 0; half < most_halvings; ++half, way_m /= 2) {
-        const Point along = way_m / far_m * outside_m;
+        const Point along = way_m * drags;
         const FreeSurface::Walk walk = surface.walk(where.facet, where.weight, along);
         if (!(walk.walked_m > 0)) break;
         const Point place = now.at(walk.facet, walk.weight);
@@ -126,7 +122,7 @@ Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, cons
         where.distance_m = (tool_m - place).norm();
         break;
     }
-    return outside_m / far_m;
+    return drags;
 }
 
 }  // namespace tissue

@@ -40,9 +40,8 @@ class Friction {
     /// as the surface has them. Returns the same.
     Point slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m, SurfacePlace& where) noexcept;
 
-    /// How far such a tool, at a push or at a place, is outside the cone along the surface [m] (D): so far less it would be on it. Zero within the cone.
+    /// How far a law's contact at a push is outside the cone, along the surface [m] (D): at the push less that it would be on the cone. Zero within it.
     Point outside(const Point& push_m, const NodeColumns& u, const ToolSpring& tool, const ToolMemory& memory) const noexcept;
-    Point outside(const RealtimeMesh& mesh, double coupling_N_m, const Point& tool_m, const SurfacePlace& where) const noexcept;
 
     bool finite() const { return std::isfinite(stick_); }
     /// Work that the force did on a place that slid.

@@ -293,15 +293,15 @@ Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
     if (!t.armed) return t.record.device_N = t.safety.stop();
     Eigen::Vector3d wanted = t.options.map.force_to_device(t.record.coupling_N);
     if (std::exchange(t.taken_over, false)) {
-        t.carried = t.record.slipping ? 1 : 0;
-        t.carried_N = t.record.slipping ? t.safety.force_N() : Eigen::Vector3d(t.safety.force_N() - wanted);
+        if (!t.record.slipping) t.carried = 0;
+        t.carried_N = t.carried > 0 ? t.safety.force_N() : Eigen::Vector3d(t.safety.force_N() - wanted);
     }
     if (!t.contact.contact) {
         t.carried = 0;
         t.carried_N.setZero();
     }
     const double fades = std::exp(-since_s / carried_s);
-    if (t.carried > 0) {  // the contact had to slip to where the hand is by now: what the tissue swings from that comes out little by little
+    if (t.carried > 0) {  // the contact slips to where the hand is by now, and the tissue swings from that: its force comes in slowly
         wanted += t.carried * (t.carried_N - wanted);
         t.carried *= fades;
     } else {

@@ -10,14 +10,14 @@ ToolState::ToolState(const HapticOptions& given, int dimension, std::vector<Tool
     : options(given), safety(given.safety), memory(std::move(memory_of_mesh)), friction(given.friction) {
     record.master_m = record.proxy_m = record.contact_displacement_m = record.coupling_N = record.measured_N = Point::Zero(dimension);
     no_contact(record.proxy_m);
-    velocity_m_s = went_m = Point::Zero(dimension);
+    velocity_m_s = went_m = slid_m = slide_m_s = Point::Zero(dimension);
 }
 
 void ToolState::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options.device;
     ToolSpring::Growth growth = spring.growth();
     state(options.map, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, device.rate_Hz, device.delay_s, safety, same_position_s, old_s, expected_s, stood_s, device_m, has_master,
-          clutched, taken_over, carried_N, carried, contact, touched, coupling_N_m, memory, at_m, went_m, share, velocity_m_s, touched_m, friction, armed, unarmed, untouched_s, record, growth);
+          clutched, taken_over, carried_N, carried, contact, touched, coupling_N_m, memory, at_m, went_m, share, slid_m, slide_m_s, velocity_m_s, touched_m, friction, armed, unarmed, untouched_s, record, growth);
     if (!state.reads()) return;
     options.friction = friction.options();
     options.safety = safety.options();
@@ -68,6 +68,11 @@ void ToolState::take_over(const ToolState& from, double period_s) noexcept {
     safety.go_on_from(from.safety);
     record.time_s = from.record.time_s;
     record.device_m = from.record.device_m;
+    if (touched >= 0) {  // a contact has to slip as far as the hand has gone along the surface since it was followed
+        constexpr double far_m = 2e-4;
+        const Point went = from.record.master_m - record.master_m, inward = spring.inward();
+        carried = (went - went.dot(inward) * inward).norm() > far_m ? 1 : 0;
+    }
     record.master_m = from.record.master_m;
     options.map = from.options.map;  // a clutch may have moved it since
     options.device = from.options.device;
@@ -82,7 +87,7 @@ void ToolState::take_over(const ToolState& from, double period_s) noexcept {
     stood_s = from.stood_s;
     unarmed = from.unarmed;
     contacts = from.contacts;
-    at_m = from.contact.contact ? from.at_m : Point(at_the_end(record.master_m, period_s) - period_s * velocity_m_s);
+    at_m = at_the_end(record.master_m, period_s) - period_s * velocity_m_s;
     taken_over = true;
     friction.become(options.friction = from.options.friction);
     if (!from.armed) disarm(record.master_m);  // it was stopped after it was followed

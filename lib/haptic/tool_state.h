@@ -86,8 +86,8 @@ struct ToolState {
     bool has_master = false;      ///< there was one
     bool clutched = false;
     bool taken_over = false;      ///< and no tick since
-    Eigen::Vector3d carried_N = Eigen::Vector3d::Zero();  ///< of the session that was taken over: its last force where the tool slipped then, else what that differs by
-    double carried = 0;           ///< share of the force that it has where the tool slipped
+    Eigen::Vector3d carried_N = Eigen::Vector3d::Zero();  ///< of the session that was taken over: its last force where `carried` is above 0, else the difference to it
+    double carried = 0;           ///< share of the force that it has where the tool slips to a hand that has moved on
     ContactState contact;
     int touched = -1;             ///< mesh in contact
     double coupling_N_m = 0;      ///< k_C of this contact
@@ -96,6 +96,8 @@ struct ToolState {
     Point at_m;                   ///< the tool of this contact, at the time to which the touched mesh has come
     Point went_m;                 ///< how far it went in the step before (D)
     double share = 1;             ///< of its tool's way along the surface that a contact which slips makes (Simulation::glide)
+    Point slid_m;                 ///< on spring sets: how far the contact has slid since the last step (D)
+    Point slide_m_s;              ///< and how fast before it (D)
     Point velocity_m_s;           ///< of the master (D)
     Point touched_m;              ///< X_p of this contact, in the mesh's own coordinates
     Friction friction;

@@ -438,8 +438,10 @@ TEST_CASE("a session that is taken over while the tool slips goes on without a j
 }
 
 TEST_CASE("a session that was taken over feels what a hand does next as the one that played on", "[state]") {
-    for (const double to_m : {0.008, -0.002}) {  // deeper, and out
-        const HapticModel model(law_example(), alone());
+    for (const auto& [to_m, mu] : {std::pair{0.008, 1.0}, {-0.002, 1.0}, {0.008, 0.0}, {-0.002, 0.0}, {-0.002, 0.02}}) {  // deeper, or out; little friction always slips
+        HapticOptions o = alone();
+        o.friction.stick = mu;
+        const HapticModel model(law_example(), o);
         Simulation plays(model);
         press(plays, -0.002, 0.004, 0.04);
         Simulation next(model);
@@ -453,7 +455,7 @@ TEST_CASE("a session that was taken over feels what a hand does next as the one 
             most_N = std::max(most_N, usual_N.norm());
             off_N = std::max(off_N, (force_N - usual_N).norm());
         }
-        INFO("to " << to_m << " m: off by " << off_N << " N of " << most_N);
+        INFO("to " << to_m << " m, mu " << mu << ": off by " << off_N << " N of " << most_N);
         CHECK(off_N < 0.25 * most_N);
     }
 }
