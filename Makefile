@@ -11,9 +11,9 @@
 # -jN            that many jobs at a time (default: as many as there are cores)
 # SANITIZE=1     build with clang's address and undefined-behaviour sanitizers, in a folder of its own; SANITIZE=thread: with g++'s for races
 
-# ---- names: make and the shell take others apart, or run them
+# ---- file names: make and the shell split names with other characters, or execute them
 
-# strange TEXT: what is left of it without letters, digits and . _ - + /
+# strange TEXT: the characters of TEXT other than letters, digits and . _ - + /
 strange = $(eval left := $$(1))$(strip $(foreach c,$(PLAIN),$(eval left := $$(subst $c,,$$(left)))))$(left)
 PLAIN := a b c d e f g h i j k l m n o p q r s t u v w x y z A B C D E F G H I J K L M N O P Q R S T U V W X Y Z \
   0 1 2 3 4 5 6 7 8 9 . _ - + /
@@ -22,8 +22,8 @@ define newline
 
 endef
 quoted = '$(subst $(newline), ,$(1))'
-# files PATTERN...: those there are. One that make cannot carry is an error; a blank in a name shows as a word that
-# matches no pattern.
+# files PATTERN...: the files that exist. A name that make cannot handle is an error. A name with a blank is found as a
+# word that matches no pattern.
 files = $(foreach f,$(wildcard $(1)),$(call carried,$f,$(1))$f)
 carried = $(if $(call strange,$(1))$(filter-out $(foreach p,$(2),$(call ends,$(subst *, ,$p))),$(1)),$(error \
   $(call quoted,$(1)), a file's name or part of it in $(sort $(dir $(2))): make cannot carry it; use letters, digits and . _ - + alone))
@@ -48,22 +48,22 @@ BUILD := build/$(if $(SANITIZE),$(or $(patsubst thread,tsan,$(filter thread,$(SA
 TISSUECTL := $(BUILD)/tissuectl
 TISSUE_HAPTIC := $(BUILD)/tissue-haptic
 PYTHON_MODULE := $(BUILD)/python/tissue.so
-ifeq (0,$(MAKELEVEL))  # the makes that make starts have its jobs; and nproc would take OMP_NUM_THREADS for the cores
+ifeq (0,$(MAKELEVEL))  # sub-makes share the jobs; nproc would return OMP_NUM_THREADS in place of the cores
 MAKEFLAGS += -j$(shell env -u OMP_NUM_THREADS nproc 2>/dev/null || echo 1)
 endif
 MAKEFLAGS += --no-builtin-rules --no-print-directory
-# FE and figures run many at a time under -j; a BLAS with threads of its own would only get in the way, and change
-# the last bits of results from run to run
+# FE and figures run in parallel under -j. Threads of BLAS would compete with them, and would change rounding from run
+# to run.
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .DEFAULT_GOAL := all
-# Two makes in one clone: whoever writes a temporary file, beside the file that it is to become, holds a lock on it
-# meanwhile, and what it starts holds it too; the other waits.
+# Two makes may run in one clone. A rule that writes a temporary file beside its target holds a lock on it, and so do
+# the programs that it starts. The other make waits.
 alone = exec 9>>$(1) && flock 9
-# says FILE,VARIABLE: a rule for a file that holds the variable's value, written anew when that is another. Before there is
-# what install_deps brings, pkg-config too, nobody asks.
+# says FILE,VARIABLE: a rule for a file that contains the variable's value and is rewritten when the value changes. The
+# variable is not evaluated before install_deps has installed the packages, since it may call pkg-config.
 define says
 ifneq ($$(strip $$(file <$(1))),$$(if $$(wildcard build/deps),$$(strip $$($(2)))))
 $(1): FORCE
@@ -73,7 +73,7 @@ $(1): | build/deps
 endef
 FORCE:
 
-# ---- front door
+# ---- main targets
 
 .PHONY: felupe realtime ablation all mesh contacts cases first train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitized sanitize tsan fuzz bench benches hands doors deps help clean build install uninstall doctor
 
@@ -114,8 +114,8 @@ doors: $(BUILD)/libtissue.so.1 $(PYTHON_MODULE)
 ## deps: name and install missing packages
 deps: build/deps
 
-# by the environment: names may have blanks and quotes in them
-# $b of /opt/a$b is a variable that nobody has set, and the rest of the name would be installed to
+# Paths are passed by the environment, since they may contain blanks and quotes. In /opt/a$b, make would expand $b to
+# nothing and install to /opt/a.
 references := $$( $${
 bare_dollar = $(findstring $$,$(subst $(word 2,$(references)),,$(subst $(word 1,$(references)),,$(subst $$$$,,$(value $1)))))
 ifneq (,$(filter install uninstall,$(MAKECMDGOALS)))
@@ -160,37 +160,38 @@ ifneq (,$(filter-out thread,$(SANITIZE)))
 override CXX := $(CXX:g++=clang++)
 endif
 PACKAGES := hdf5 gsl fmt nlopt libxxhash lapacke openblas
-# no assertion ends a program that has a device open: what must hold is checked before the tick, by exceptions. Eigen's
-# macro is also for who compiles against the library (scripts/install): functions of its headers are built in both, and
-# the linker takes either. Under sanitizers assertions live, and Eigen's forbid it to allocate in the tick.
+# Assertions are off in release builds: no assertion may end a program that has a device open. Preconditions are checked
+# before the tick, by exceptions. Eigen's macro is also set for programs that compile against the library
+# (scripts/install): functions of its headers are compiled in both, and the linker takes either. Under sanitizers
+# assertions are on, and Eigen's forbid allocation in the tick.
 ASSERTIONS = $(if $(SANITIZE),-DEIGEN_RUNTIME_NO_MALLOC -D_GLIBCXX_ASSERTIONS,-DNDEBUG -DEIGEN_NO_DEBUG)
-# gcc 12 sees an overflow in fmt's own inlined parser that is not there, and under sanitizers uninitialised members in
-# its own <regex>
+# gcc 12 reports an overflow in fmt's inlined parser, and under sanitizers uninitialised members in its own <regex>;
+# both are false positives.
 CXXFLAGS = -std=c++17 -O3 -g1 -pthread -fPIC -fvisibility=hidden -Wall -Wextra -Wpedantic -Wshadow -Werror -Wno-stringop-overflow $(ASSERTIONS) -MMD -MP \
   -Ilib -isystem /usr/include/eigen3 $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(PACKAGES))) \
   $(if $(SANITIZE),-O1 $(or $(FLAGS_$(SANITIZE)),$(FLAGS_SANITIZE)) -fno-sanitize-recover=all,$(HARDENED))
-# what reads files and datagrams of strangers ends rather than runs on with a broken stack or buffer; sanitizers check this themselves
+# Programs that read foreign files and datagrams abort on a corrupted stack or buffer. Sanitizers check this themselves.
 HARDENED := -fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
 FLAGS_thread := -Wno-maybe-uninitialized -fsanitize=thread
-# one build for tests and for fuzzing; g++ is the one that warns
+# One build serves tests and fuzzing. Warnings come from the build with g++.
 FLAGS_SANITIZE := -w -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fsanitize-ignorelist=scripts/sanitize.ignore
 LDLIBS = $(shell pkg-config --libs $(PACKAGES)) -pthread -Wl,-z,relro,-z,now
 comma := ,
 
 LIB_SOURCES := $(call files,lib/*/*.cpp)
-# what both programs use: arguments, help, options of the realtime core, session statistics
+# common to both programs: arguments, help, options of the realtime core, session statistics
 SHARED_SOURCES := cli/command.cpp cli/generate.cpp cli/haptic_options.cpp cli/haptic_report.cpp cli/journal.cpp
 HAPTIC_SOURCES := cli/tissue_haptic.cpp $(SHARED_SOURCES)
-# the page's server: what knows Boost is one folder, so that tests can do without it
+# the page's server; only one folder uses Boost, so that tests do not need it
 SERVE_SOURCES := $(call files,cli/serve/*.cpp)
 CLI_SOURCES := $(filter-out cli/tissue_haptic.cpp,$(call files,cli/*.cpp)) $(SERVE_SOURCES) $(call files,cli/serve/network/*.cpp)
 TEST_SOURCES := $(filter-out tests/bench/% tests/fuzz/fuzz_server.cpp,$(call files,tests/*.cpp tests/*/*.cpp))
 BENCH_SOURCES := $(call files,tests/bench/bench_*.cpp)
 objects = $(patsubst %.cpp,$(BUILD)/%.o,$(1))
 
-# A folder with programs but no sources, as tests have it, has nothing to build.
+# A folder with programs but without sources, as in some tests, has nothing to build.
 ifneq (,$(strip $(LIB_SOURCES)))
-# what everything was compiled with (through ccache or not), and what each was put together from
+# flags that everything was compiled with (with or without ccache), and the source list of each program
 FLAGS = $(filter-out ccache,$(CXX)) $(CXXFLAGS) $(LDLIBS)
 $(eval $(call says,$(BUILD)/flags,FLAGS))
 $(eval $(call says,$(BUILD)/libtissue.list,LIB_SOURCES))
@@ -198,7 +199,8 @@ $(eval $(call says,$(BUILD)/tissuectl.list,CLI_SOURCES))
 $(eval $(call says,$(BUILD)/tissue-haptic.list,HAPTIC_SOURCES))
 $(eval $(call says,$(BUILD)/test_tissue.list,TEST_SOURCES))
 
-# headers that most files include, parsed once. Not under sanitizers, so that what a file of library or programs forgot to include is found.
+# Headers that most files include are precompiled. Not under sanitizers, so that a missing #include in library or
+# programs is an error there.
 PRECOMPILED := $(if $(SANITIZE),,$(BUILD)/precompiled.h.gch)
 $(BUILD)/precompiled.h.gch $(BUILD)/tests/precompiled.h.gch: scripts/precompiled.h $(BUILD)/flags | build/deps
 	@mkdir -p $(@D)
@@ -212,13 +214,13 @@ $(BUILD)/%.o: %.cpp $(BUILD)/flags | build/deps $(PRECOMPILED)
 $(BUILD)/libtissue.a: $(call objects,$(LIB_SOURCES)) $(BUILD)/libtissue.list
 	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $(filter %.o,$^) && mv $@.tmp $@
 
-# the door for C: the library's own symbols stay inside
+# the library for C; symbols of the C++ library are not exported
 $(BUILD)/libtissue.so.1: $(BUILD)/lib/api/tissue.o $(BUILD)/libtissue.a lib/api/tissue.map
 	@$(call alone,$@.lock) && $(CXX) $(CXXFLAGS) -s -shared -Wl,-soname,libtissue.so.1 -Wl,--version-script=lib/api/tissue.map -Wl,-z,defs -Wl,--as-needed \
 	  $(filter %.o %.a,$^) $(LDLIBS) -lcsv -lcholmod -lgmp -lmpfr -ldl -o $@.tmp && mv $@.tmp $@
 
-# the door for Python
-# (gcc 12 sees uninitialised numbers in Eigen's where they come precompiled beside pybind11's)
+# the module for Python (without precompiled headers: with them gcc 12 warns of uninitialised values in Eigen beside
+# pybind11)
 $(BUILD)/lib/api/python/%.o: private PRECOMPILED :=
 $(BUILD)/lib/api/python/%.o: private CXXFLAGS += $(patsubst -I%,-isystem %,$(shell $(PYTHON)-config --includes))
 $(PYTHON_MODULE): $(BUILD)/lib/api/python/tissue_module.o $(BUILD)/libtissue.a
@@ -230,26 +232,29 @@ link = $(call alone,$@.lock) && $(CXX) $(CXXFLAGS) $(1) $(filter %.o %.a,$^) $(L
 $(TISSUECTL): $(call objects,$(CLI_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissuectl.list
 	@$(call link) && scripts/stage_code $(BUILD) $(STAGES) && mv $@.tmp $@
 
-# What a stage is made of, as stage/COMMAND: a time stamp that is newer only when code that this stage can reach is another. Written with
-# the program.
+# stage/COMMAND: a time stamp for the code of a stage, newer only when code that this stage can reach has changed. It is
+# written with the program.
 $(BUILD)/stage/%: | $(TISSUECTL)
 	@scripts/stage_code $(BUILD) $(STAGES)
 
-# symbols stay in the objects; the program that a device waits for is small
+# The objects keep their symbols; the program for devices is stripped and small.
 $(TISSUE_HAPTIC): $(call objects,$(HAPTIC_SOURCES)) $(BUILD)/libtissue.a $(BUILD)/tissue-haptic.list
 	@$(call link,-s -Wl$(comma)--as-needed) && mv $@.tmp $@
 
-# Sanitizers check the library: its tests are those of the release build, but for two files that replace or configure the allocator.
+# Sanitizers check the library. Its tests are linked from the release build, except for files that replace or configure
+# the allocator and the page's server (INSTRUMENTED).
 INSTRUMENTED := tests/allocations.cpp tests/leaks.cpp $(SERVE_SOURCES)
 TEST_OBJECTS := $(call objects,$(TEST_SOURCES) $(SERVE_SOURCES))
 ifneq (,$(filter-out thread,$(SANITIZE)))
 TEST_OBJECTS := $(call objects,$(INSTRUMENTED)) $(patsubst %.cpp,build/release/%.o,$(filter-out $(INSTRUMENTED),$(TEST_SOURCES)))
 endif
-# Of a function that several files made, the linker takes the first: the library's, which is compiled for speed, and for sanitizers where they are on.
+# Of a function that several files define inline, the linker takes the first copy. With the library first this is the
+# library's: optimised, and instrumented under sanitizers.
 $(BUILD)/test_tissue: $(TEST_OBJECTS) $(BUILD)/libtissue.a $(BUILD)/test_tissue.list
 	@$(call link,-Wl$(comma)--whole-archive $(BUILD)/libtissue.a -Wl$(comma)--no-whole-archive) && mv $@.tmp $@
 
-# A target links what it calls of all that targets call, and says which of its functions gets the bytes.
+# A fuzz target links only what it calls from this archive. --defsym makes its own function the one that libFuzzer
+# calls.
 FUZZ_READERS := $(patsubst tests/fuzz/fuzz_%.cpp,%,$(call files,tests/fuzz/fuzz_*.cpp))
 $(BUILD)/libfuzzed.a: $(call objects,tests/fuzz/edited_store.cpp tests/solid_law_example.cpp tests/haptic/haptic_example.cpp \
   $(SERVE_SOURCES) $(call files,cli/serve/network/*.cpp))
@@ -268,13 +273,15 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/libtissue.a
 	@$(call link) && mv $@.tmp $@
 endif
 
-# the page is part of the program, and so is the library that draws it in space
+# The page is part of the program, and so is the library for its 3-D view.
 THREE := /usr/share/javascript/three/three.module.js
 $(BUILD)/cli/serve/page.o: $(call files,cli/view/*.html cli/view/*.css cli/view/*.js) $(THREE)
-# files and command lines are read once, pages sent a few times a second: what does that compiles faster without the last bit of speed
+# This code runs rarely (files and command lines once, pages a few times a second), so it is compiled faster with less
+# optimisation.
 $(call objects,$(wildcard cli/*.cpp cli/serve/*.cpp cli/serve/network/*.cpp lib/io/*.cpp lib/study/*.cpp lib/cases/*.cpp lib/export/*.cpp \
   lib/eval/report.cpp lib/eval/evaluation_json.cpp)): private CXXFLAGS += -O1
-# what a test does once needs no speed, unlike the ticks of tests/haptic; nor does fuzzing follow the tests
+# Test code runs once and is compiled without optimisation, except the ticks of tests/haptic. Fuzzing does not
+# instrument it.
 ONCE := $(call objects,$(filter-out tests/fuzz/% tests/haptic/%,$(TEST_SOURCES)))
 $(ONCE): private CXXFLAGS += -O0 -U_FORTIFY_SOURCE
 ifneq (,$(PRECOMPILED))
@@ -286,7 +293,7 @@ ifneq (,$(filter-out thread,$(SANITIZE)))
 $(call objects,$(filter-out tests/fuzz/%,$(TEST_SOURCES))): private CXXFLAGS += -fno-sanitize=fuzzer-no-link
 endif
 $(call objects,lib/springs/sparse_factor.cpp): private CXXFLAGS += -isystem /usr/include/suitesparse
-# ccache does not see what the assembler takes in
+# ccache does not detect changes of files that the assembler includes
 $(BUILD)/cli/serve/page.o: export CCACHE_DISABLE := 1
 $(THREE): | build/deps
 	@[ -r $@ ] || { echo "make: there is no $@, of Debian's package libjs-three: the page cannot be built" >&2; exit 1; }
@@ -295,8 +302,8 @@ $(THREE): | build/deps
 
 # ---- stages: one rule per kind of file
 
-# The plan says which load paths there are and with which arguments; its parts say what each stage depends on, and
-# keep their time stamp while their text stays the same. What it does not say is nothing, whatever the environment has.
+# The plan lists the load paths with their arguments. Its parts state what each stage depends on and keep their time
+# stamp while their text is unchanged. Variables that the plan does not set are empty, whatever the environment has.
 SHAPE :=
 SHAPE_ARGUMENTS :=
 SOLID :=
@@ -311,12 +318,13 @@ PATH_ARGUMENTS :=
 ifneq (,$(filter-out help clean deps build doors install uninstall doctor reference regress regress-proof trust felupe gains patient patient3 peers test test-fe sanitized sanitize tsan fuzz bench benches $(BUILD)/%,$(or $(MAKECMDGOALS),all)))
 include $(R)/plan.mk
 endif
-# A shape has no surface to plan contacts on until it is meshed: its first plan says where it comes from, SHAPE and
-# SHAPE_ARGUMENTS, and that the plan depends on the mesh.
+# Contacts on a shape are planned on its mesh. The first plan of a shape therefore gives only its source, SHAPE and
+# SHAPE_ARGUMENTS, and the dependence of the plan on the mesh.
 MESH_OPTION = $(if $(SHAPE),--mesh $(R)/mesh.msh)
 figures: $(FIGURES:%=$(R)/figures/%.png)
 
-# a solid block has no mesh of its own: SOLID is what scripts/solve_path makes one of, finest where a path pushes
+# A solid block has no mesh of its own: scripts/solve_path makes one for each load path from SOLID, finest at the
+# contact.
 ifneq (,$(SOLID))
 mesh:
 	@echo "mesh  none of $(STUDY) itself: every load path of a solid block gets its own, of $(SOLID)"
@@ -330,19 +338,19 @@ $(R)/plan.mk: $(STUDIES) $(TISSUECTL)
 $(R)/plan/%:
 	@$(TISSUECTL) plan --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $(R)/plan.mk
 
-# any shape: gmsh fills an outline with triangles, or takes the format of a mesh to 2.2; then it is checked. The mesh keeps its
-# time stamp while it stays the same, so that another program does not solve every load path again: mesh.made says when it was
-# last made, and after it make reads the plan, and with it the mesh's time stamp, anew.
+# Any shape: gmsh fills an outline with triangles, or converts a mesh to format 2.2; then the mesh is checked. The mesh
+# keeps its time stamp while it is unchanged, so that a new program does not solve every load path again. mesh.made has
+# the time when the mesh was last made. After it make reads the plan again, and with it the mesh's time stamp.
 FILLED := $(if $(filter-out %.geo %.msh,$(SHAPE)),fem/fill3.geo)
 ifneq (,$(SHAPE))
-# the study itself is asked for its words: the plan of before may be of another unit or file
+# The arguments come from the study itself, since the old plan may have another unit or file.
 shape_mesh = echo "mesh  $(R)/mesh.msh" && words=$$($(TISSUECTL) shape --study fem/studies/$(STUDY).toml --words) && \
   scripts/mesh $(R)/mesh.msh $$words -- $(TISSUECTL) shape --study fem/studies/$(STUDY).toml
 $(R)/plan.mk: $(R)/mesh.made
 $(R)/mesh.made: $(wildcard $(SHAPE)) $(R)/plan/shape $(BUILD)/stage/shape scripts/mesh scripts/run_gmsh $(FILLED) | $(TISSUECTL)
 	@$(shape_mesh) && scripts/own_file $@ && touch $@
 
-$(R)/mesh.msh: | $(R)/mesh.made  # a lost one
+$(R)/mesh.msh: | $(R)/mesh.made  # makes a missing mesh
 	@[ -e $@ ] || { $(shape_mesh); }
 else
 $(R)/mesh.msh $(R)/mesh-fine.msh: fem/block.geo scripts/mesh scripts/run_gmsh
@@ -353,7 +361,7 @@ endif
 $(R)/cases/%.csv: $(call files,fem/*.edp fem/*.idp) scripts/solve_path
 	@TISSUECTL=$(TISSUECTL) $(RUN) scripts/solve_path $(R) $* $(PATH_ARGUMENTS)
 
-# the plan adds the stage, collect or import
+# The plan adds the dependence on the stage, collect or import.
 $(R)/cases.h5: $(PATHS:%=$(R)/cases/%.csv) | $(TISSUECTL)
 	@$(TISSUECTL) $(CASES_COMMAND) --study fem/studies/$(STUDY).toml $(MESH_OPTION) --out $@
 

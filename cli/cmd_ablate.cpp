@@ -18,13 +18,13 @@ struct Options {
     int threads = 0;
 };
 
-/// Before anything is trained: a table of contacts that there are not would have no rows.
+/// Checked before training: with a role that has no contacts the table would have no rows.
 void refuse_role(const Options& o, const Cases& cases) {
     std::set<std::string> there;
     for (const LoadPath& path : cases.paths)
         if (path.role != "train" && path.role != "check" && path.role != "map" && !path.second) there.insert(path.role);
     if (there.count(o.role) == 0)
-        throw MismatchError(fmt::format("{}: has no drawn contacts '{}'; it has {}", o.cases, o.role, there.empty() ? "none" : fmt::format("{}", fmt::join(there, ", "))));
+        throw MismatchError(fmt::format("{}: has no drawn contacts of role '{}'; its roles: {}", o.cases, o.role, there.empty() ? "none" : fmt::format("{}", fmt::join(there, ", "))));
 }
 
 void run(const Options& o) {
@@ -39,7 +39,7 @@ void run(const Options& o) {
     }
     write_file(o.out, to_json(results));
     std::cout << fmt::format("indentation errors on '{}', median / p95 / max (n of N)\n{:<42} {:>7} {:>8} {:>8} {:>28} {:>28}\n",
-                             o.role, "variant", "numbers", "FE paths", "training", "force", "shape");
+                             o.role, "variant", "terms", "FE paths", "training", "force", "displacement");
     for (const VariantResult& r : results) {
         const DrawnContacts* drawn = r.held_out.role(o.role);
         if (!drawn) continue;
@@ -61,10 +61,10 @@ void add_ablate(CLI::App& app, const Invocation&) {
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--cases", o->cases, "cases.h5 of tissuectl collect")->required()->type_name("FILE");
     command->add_option("--out", o->out, "ablation.json to write")->required()->type_name("FILE");
-    command->add_option("--role", o->role, "which drawn contacts the printed table shows")
+    command->add_option("--role", o->role, "role of the drawn contacts in the printed table")
         ->type_name("ROLE")
         ->capture_default_str();
-    command->add_option("--threads", o->threads, "paths pressed at a time; changes no result")
+    command->add_option("--threads", o->threads, "load paths evaluated at a time; changes no result")
         ->type_name("threads")
         ->capture_default_str()
         ->check(CLI::Range(1, 4096));

@@ -17,10 +17,11 @@ namespace {
 
 struct Options {
     std::string study, paths, mesh, out;
-    std::vector<std::string> only;  ///< names; none: all of the plan
+    std::vector<std::string> only;  ///< names; empty: all of the plan
 };
 
-/// Removes the paths that are not in `only`. Throws MismatchError for a name that is not in it, and where none of them is trained on.
+/// Removes the paths that are not in `only`. Throws MismatchError for a name that is not planned, and where none of the
+/// paths left is for training.
 void keep_only(std::vector<PlannedPath>& planned, const std::vector<std::string>& only) {
     const auto asked = [&](const std::string& name) { return std::find(only.begin(), only.end(), name) != only.end(); };
     for (const std::string& name : only)
@@ -28,10 +29,10 @@ void keep_only(std::vector<PlannedPath>& planned, const std::vector<std::string>
             throw MismatchError(fmt::format("--only: the study has no load path '{}'", name));
     planned.erase(std::remove_if(planned.begin(), planned.end(), [&](const PlannedPath& p) { return !asked(p.push.name); }), planned.end());
     if (std::none_of(planned.begin(), planned.end(), [](const PlannedPath& p) { return p.role == "train"; }))
-        throw MismatchError("--only: none of these load paths is one to train on");
+        throw MismatchError("--only: none of these load paths is a training path; name at least one");
 }
 
-/// One line, where FE did not come to the end of every history.
+/// Prints one line where FE solutions ended before the end of their histories.
 void say_lost(const std::vector<History>& histories) {
     std::size_t lost = 0;
     const History* first = nullptr;
@@ -40,13 +41,13 @@ void say_lost(const std::vector<History>& histories) {
         if (++lost == 1) first = &h;
     }
     if (first)
-        std::cout << fmt::format("histories: {} of {} lost before their end; the first, {}, after {} steps: {}\n", lost, histories.size(), first->name,
+        std::cout << fmt::format("histories: {} of {} have no FE reference up to their end; the first, {}, stops after {} steps: {}\n", lost, histories.size(), first->name,
                                  first->time_s.size(), first->lost);
 }
 
 void run(const Options& o, Provenance provenance) {
     const Study study = read_study(o.study);
-    if (study.data) throw StudyError(o.study + ": has [data], not load paths; tissuectl import takes it");
+    if (study.data) throw StudyError(o.study + ": has [data] and no load paths; use tissuectl import");
     Cases cases;
     cases.study = study.name;
     cases.magnitudes_m = study.loads.magnitudes_m;
@@ -92,11 +93,11 @@ void run(const Options& o, Provenance provenance) {
 
 void add_collect(CLI::App& app, const Invocation& invocation) {
     auto o = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("collect", "Gather FreeFEM's load paths into one file of cases.");
+    CLI::App* command = app.add_subcommand("collect", "Collect FreeFEM's load paths in one file of cases.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
-    command->add_option("--paths", o->paths, "folder of NAME.csv, one a load path")->required()->type_name("FOLDER");
+    command->add_option("--paths", o->paths, "folder of NAME.csv, one file per load path")->required()->type_name("FOLDER");
     command->add_option("--mesh", o->mesh, "mesh.msh of tissuectl shape, for a study that has a shape")->type_name("FILE");
-    command->add_option("--only", o->only, "load paths to gather, where not all of the study's are solved yet; histories are left out then")
+    command->add_option("--only", o->only, "load paths to collect while some of the study's are not solved yet; histories are then left out")
         ->delimiter(',')->type_name("NAME,...");
     command->add_option("--out", o->out, "cases.h5 to write")->required()->type_name("FILE");
     command->callback([o, &invocation] { run(*o, {invocation.command, 0, {}}); });

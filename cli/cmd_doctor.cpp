@@ -20,17 +20,17 @@
 namespace tissue::cli {
 namespace {
 
-/// A program or library, how to ask it for its version, and the Debian package it comes in.
-/// tests/pipeline/test_doctor.sh holds this table against scripts/install_deps.
+/// A program or library, how to get its version, and its Debian package. tests/pipeline/test_doctor.sh compares this
+/// table with scripts/install_deps.
 struct Tool {
     const char* name;
     const char* package;
-    const char* ask;  ///< shell; its output holds the version; a status other than 0: it is not there
+    const char* ask;  ///< shell command; its output contains the version; a nonzero status: not installed
     bool needed;
     const char* purpose;
 };
 
-/// As a shell word, what looks for a plugin of FreeFEM where FreeFEM will.
+/// Shell command that looks for FreeFEM's plugins where FreeFEM does.
 constexpr const char* ask_plugins =
     "folder=${FF_LOADPATH:-$(dirname \"$(dpkg -L libfreefem++ | grep '/gmsh\\.so$' | grep -v /mpi/ | head -n 1)\")}; "
     "script=$(mktemp --suffix=.edp) && trap 'rm -f \"$script\"' EXIT && "
@@ -83,8 +83,8 @@ const std::vector<Tool>& tools() {
         {"Python's headers", "python3-dev", "pkg-config --modversion python3", true, "import tissue"},
         {"VTK", "python3-vtk9",
          "$PYTHON -c 'from vtkmodules.vtkCommonCore import vtkVersion; print(vtkVersion.GetVTKVersion())'", false,
-         "tests read exports back"},
-        {"ccache", "ccache", "ccache --version", false, "compiles again faster"},
+         "tests of exports"},
+        {"ccache", "ccache", "ccache --version", false, "faster recompilation"},
         {"clang", "clang", "clang++ --version", false, "make sanitize, make fuzz"},
         {"clang's sanitizers", "libclang-rt-14-dev",
          "ls \"$(clang++ -print-resource-dir)\"/lib/*/libclang_rt.fuzzer-*.a", false, "make sanitize, make fuzz"},
@@ -95,7 +95,7 @@ const std::vector<Tool>& tools() {
          "tests of pages"},
         {"Slurm", "slurm-wlm", "slurmd -V", false, "RUN='srun -n1'"},
         {"munge", "munge", "munged --version", false, "Slurm's keys"},
-        {"cyclictest", "rt-tests", "cyclictest --help", false, "how late this machine wakes"},
+        {"cyclictest", "rt-tests", "cyclictest --help", false, "wake-up latency of this machine"},
     };
     return table;
 }
@@ -105,7 +105,8 @@ struct Answer {
     std::string version;
 };
 
-/// Runs a line in the shell, ten seconds at most; standard error is read too, since some print their version there.
+/// Runs a shell command for at most ten seconds. Standard error is read too, because some programs print their version
+/// there.
 Answer ask(const std::string& line) {
     const std::string command = "exec 2>&1 </dev/null; " + line;
     setenv("TISSUE_DOCTOR_ASKS", command.c_str(), 1);
@@ -124,7 +125,7 @@ Answer ask(const std::string& line) {
     return answer;
 }
 
-/// What of realtime this machine allows a thread of ours; each with its remedy, empty where it is allowed.
+/// A realtime feature, whether this machine allows it to our threads, and how to get it.
 struct Allowance {
     const char* name;
     bool allowed;
@@ -143,7 +144,7 @@ std::vector<Allowance> allowances() {
     return {{"SCHED_FIFO", scheduled, "root, or 'rtprio 95' for this user in /etc/security/limits.conf"},
             {"locked memory", locked, "root, or 'memlock unlimited' for this user in /etc/security/limits.conf"},
             {"realtime kernel", std::filesystem::exists("/sys/kernel/realtime"),
-             "linux-image-rt-amd64; without it ticks may come milliseconds late"}};
+             "linux-image-rt-amd64; without it ticks may be milliseconds late"}};
 }
 
 void run(bool json) {
@@ -163,7 +164,7 @@ void run(bool json) {
         text += fmt::format("{:<18} {:<24} {:<20} {}\n", tool.name,
                             answer.there  ? answer.version
                             : tool.needed ? "MISSING"
-                                          : "not there (optional)",
+                                          : "not found (optional)",
                             tool.package, tool.purpose);
         if (answer.there || !tool.needed) continue;
         missing.push_back(tool.name);
@@ -175,7 +176,7 @@ void run(bool json) {
                         std::thread::hardware_concurrency());
     for (const Allowance& a : allowances()) {
         out["machine"].push_back({{"name", a.name}, {"allowed", a.allowed}, {"remedy", a.remedy}});
-        text += fmt::format("{:<18} {}\n", a.name, a.allowed ? "yes" : std::string("no; get it by ") + a.remedy);
+        text += fmt::format("{:<18} {}\n", a.name, a.allowed ? "yes" : std::string("no; to allow it: ") + a.remedy);
     }
     out["missing"] = packages;
     std::cout << (json ? out.dump(2) + "\n"
@@ -191,8 +192,8 @@ void run(bool json) {
 void add_doctor(CLI::App& app, const Invocation&) {
     auto json = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand(
-        "doctor", "Versions of every tool found, what is missing and how to get it; exit 1 when one is needed.");
-    command->add_flag("--json", *json, "print it as JSON");
+        "doctor", "Print the version of every tool found, and what is missing and how to install it; exit 1 if a required tool is missing.");
+    command->add_flag("--json", *json, "print JSON");
     command->callback([json] { run(*json); });
 }
 

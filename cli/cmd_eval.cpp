@@ -35,7 +35,7 @@ void run(const Options& o) {
 void add_eval(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     o->threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    CLI::App* command = app.add_subcommand("eval", "Measure a model and its baselines against the FE cases.");
+    CLI::App* command = app.add_subcommand("eval", "Evaluate a model and its baselines on the FE cases.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
     command->add_option("--model", o->model, "model.h5 of tissuectl train")->required()->type_name("FILE");
     command->add_option("--cases", o->cases, "cases.h5 of tissuectl collect")->required()->type_name("FILE");

@@ -13,7 +13,7 @@
 #include "export/vtu.h"
 #include "io/atomic_file.h"
 #include "progress.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "surface_file/surface_file.h"
 #include "surface_file/vtk_file.h"
 
@@ -26,39 +26,39 @@ struct Options {
     bool draws_surface() const { return to == "vtp" || to == "glb"; }
 };
 
-/// The paths asked for: one by its name, or all.
+/// The load path named by --path, or all.
 std::vector<const LoadPath*> chosen_paths(const Cases& cases, const Options& o) {
     std::vector<const LoadPath*> paths;
     for (const LoadPath& path : cases.paths)
         if (o.path.empty() || path.name == o.path) paths.push_back(&path);
-    if (paths.empty()) throw MismatchError(fmt::format("{}: there is no load path '{}' in it", o.file, o.path));
+    if (paths.empty()) throw MismatchError(fmt::format("{}: has no load path '{}'", o.file, o.path));
     return paths;
 }
 
 void export_cases(const Options& o) {
-    if (o.to == "sofa") throw MismatchError(o.file + ": holds load cases; a SOFA scene needs springs: a model.h5");
-    if (o.draws_surface()) throw MismatchError(fmt::format("{}: holds load cases; --to {} draws what a model.h5 answers", o.file, o.to));
+    if (o.to == "sofa") throw MismatchError(o.file + ": has load cases; a SOFA scene needs the springs of a model.h5");
+    if (o.draws_surface()) throw MismatchError(fmt::format("{}: has load cases; --to {} draws the surface of a model.h5", o.file, o.to));
     if (!o.sets.empty() || !o.set.empty())
-        throw MismatchError(o.file + ": holds load cases; --sets and --set choose among the springs of a model.h5");
+        throw MismatchError(o.file + ": has load cases; --sets and --set choose among the spring sets of a model.h5");
     const Cases cases = read_cases(o.file);
     const std::vector<const LoadPath*> paths = chosen_paths(cases, o);
     if (o.to == "csv") return write_files(o.out, csv_files(cases, paths));
-    if (cases.measurement) throw MismatchError(o.file + ": holds measured forces, and no displacement of the tissue that could be drawn; --to csv has them");
+    if (cases.measurement) throw MismatchError(o.file + ": has measured forces and no displacement of the tissue to draw; --to csv exports the forces");
     Files files;
     for (const LoadPath* path : paths) {
-        if (path->records.empty()) std::cerr << "tissuectl export: " << path->name << ", left out: finite elements lost it before its first record: " << path->lost << '\n';
+        if (path->records.empty()) std::cerr << "tissuectl export: " << path->name << ", left out: no FE reference at its first record: " << path->lost << '\n';
         files.merge(path_vtu(cases, *path));
     }
     if (files.empty()) throw MismatchError(o.file + ": no load path has a record; nothing is written");
     write_files(o.out, files);
 }
 
-/// The surface that a person sees, under each press.
+/// The drawn surface under each indentation.
 void export_surfaces(const Options& o, const TissueModel& model) {
-    if (!model.mesh.is_solid()) throw MismatchError(fmt::format("{}: is in the plane; --to {} draws the surface of a model in space", o.file, o.to));
+    if (!model.mesh.is_solid()) throw MismatchError(fmt::format("{}: is a model in the plane; --to {} draws the surface of a model in space", o.file, o.to));
     refuse_vtk(o.surface);
     const CarriedSurface surface = o.surface.empty() ? own_surface(model.mesh) : carried_surface(model.mesh, read_surface_or_msh(o.surface, o.surface), units_m.at(o.unit));
-    const LawPress press(model);
+    const IndentationSolver press(model);
     Files files;
     for (const PressedCase& c : pressed_cases(model, o.set)) {
         const std::string& name = model.case_names[static_cast<std::size_t>(c.load_case)];
@@ -70,16 +70,16 @@ void export_surfaces(const Options& o, const TissueModel& model) {
         const PressedSurface pressed{surface, name, surface.moved(press.of(model.radius_of(c.load_case)).seen(contact_m, c.push_m, c.state.displacement)), contact_m, c.push_m, c.state.contact_force};
         files[name + "." + o.to] = o.to == "vtp" ? surface_vtp(pressed) : surface_glb(pressed);
     }
-    if (files.empty()) throw MismatchError(o.file + ": no press has an answer; nothing is written");
+    if (files.empty()) throw MismatchError(o.file + ": no load case has an equilibrium; nothing is written");
     write_files(o.out, files);
 }
 
 void export_law(const Options& o, const TissueModel& model) {
     if (!o.sets.empty())
-        throw MismatchError(o.file + ": is an energy model, one for all pushes; --sets chooses among spring sets");
+        throw MismatchError(o.file + ": is an energy model; --sets chooses among spring sets");
     if (o.to == "sofa") throw MismatchError(o.file + ": is an energy model, and " + sofa_lacks);
-    if (!model.energy_law->relaxation.empty())
-        std::cerr << "tissuectl export: " << o.file << " relaxes: pushes are answered by its instantaneous constants, before anything has relaxed\n";
+    if (!model.energy_model->relaxation.empty())
+        std::cerr << "tissuectl export: " << o.file << " relaxes: it is exported with its instantaneous constants, as before any relaxation\n";
     if (o.draws_surface()) return export_surfaces(o, model);
     const std::vector<PressedCase> cases = pressed_cases(model, o.set);
     if (o.to == "csv") return write_files(o.out, csv_files(model, cases));
@@ -93,7 +93,7 @@ void export_law(const Options& o, const TissueModel& model) {
     write_files(o.out, files);
 }
 
-/// What of a law is no dataset of its file.
+/// Arrays of an energy model that are not datasets of its file.
 Files law_arrays(const TissueModel& model) {
     if (!model.mesh.is_solid()) return npy_files(law_tables(model));
     std::vector<int> load_cases(static_cast<std::size_t>(model.case_count()));
@@ -103,11 +103,11 @@ Files law_arrays(const TissueModel& model) {
 
 void export_model(const Options& o) {
     if (!o.path.empty())
-        throw MismatchError(o.file + ": holds springs; --path chooses among the paths of a cases.h5");
+        throw MismatchError(o.file + ": has springs; --path chooses among the load paths of a cases.h5");
     const TissueModel model = read_model(Hdf5Reader(o.file, "model"));
-    if (model.energy_law) return export_law(o, model);
-    if (o.draws_surface()) throw MismatchError(fmt::format("{}: is of spring sets, in the plane; --to {} draws the surface of a model in space", o.file, o.to));
-    if (model.mesh.is_solid()) throw MismatchError(o.file + ": is a model in space without an energy model; spring sets are of the plane");
+    if (model.energy_model) return export_law(o, model);
+    if (o.draws_surface()) throw MismatchError(fmt::format("{}: has spring sets, in the plane; --to {} draws the surface of a model in space", o.file, o.to));
+    if (model.mesh.is_solid()) throw MismatchError(o.file + ": is in space and has no energy model; spring sets are supported in the plane only");
     if (o.to == "sofa" && o.set.empty())
         throw MismatchError(
             "a SOFA scene has one spring set: name it with --set (a load case of the model, or one_set)");
@@ -115,7 +115,7 @@ void export_model(const Options& o) {
     if (o.to == "csv") return write_files(o.out, csv_files(model, sets));
     if (o.to == "sofa") {
         write_file(o.out, sofa_scene(model, sets.front()));
-        std::cerr << "tissuectl export: law '" << model.law << "': " << sofa_fidelity(model.law) << '\n';
+        std::cerr << "tissuectl export: spring law '" << model.law << "': " << sofa_fidelity(model.law) << '\n';
         return;
     }
     Files files;
@@ -135,7 +135,7 @@ void run(const Options& o) {
         const Hdf5Reader in(o.file, "");
         if (o.to == "numpy") {
             if (!o.sets.empty() || !o.set.empty() || !o.path.empty())
-                throw MismatchError("--to numpy writes every dataset; it knows no --sets, --set or --path");
+                throw MismatchError("--to numpy writes every dataset; leave out --sets, --set and --path");
             Files files = npy_files(in);
             if (in.text_attribute("/", "kind") == "model" && in.has("/law")) files.merge(law_arrays(read_model(in)));
             write_files(o.out, files);
@@ -145,7 +145,7 @@ void run(const Options& o) {
     if (o.to == "numpy") return;
     if (kind == "cases") return export_cases(o);
     if (kind == "model") return export_model(o);
-    throw FileError(fmt::format("{}: holds '{}', which --to numpy alone can export", o.file, kind));
+    throw FileError(fmt::format("{}: has kind '{}', which only --to numpy exports", o.file, kind));
 }
 
 }  // namespace
@@ -153,29 +153,29 @@ void run(const Options& o) {
 void add_export(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     CLI::App* command =
-        app.add_subcommand("export", "Write a file's tissue in the formats of other programs. SI units throughout.");
-    command->add_option("file", o->file, "cases.h5, model.h5, or for numpy a recording too")
+        app.add_subcommand("export", "Export a file in the formats of other programs. All units are SI.");
+    command->add_option("file", o->file, "cases.h5 or model.h5; for numpy also a recording")
         ->required()
         ->type_name("FILE");
     CLI::Validator known = CLI::IsMember({"vtu", "vtp", "glb", "sofa", "csv", "numpy"});
     known.description("");
-    command->add_option("--to", o->to, "vtu (ParaView); of a model in space vtp (ParaView) and glb (glTF: Blender, Unity), the surface as it is seen; sofa (a scene), csv, numpy")
+    command->add_option("--to", o->to, "vtu (ParaView); for a model in space vtp (ParaView) and glb (glTF: Blender, Unity), the drawn surface; sofa (a scene), csv, numpy")
         ->required()
         ->type_name("NAME")
         ->check(known);
-    command->add_option("--out", o->out, "to write: a folder; of sofa a .scn file")->required()->type_name("PATH");
-    command->add_option("--sets", o->sets, "of a model of sets: an optimiser's, or optimum; else the study's own")
+    command->add_option("--out", o->out, "folder to write; for sofa a .scn file")->required()->type_name("PATH");
+    command->add_option("--sets", o->sets, "for spring sets: those of an optimiser, or optimum; default: those of the study's optimiser")
         ->type_name("NAME");
     command
         ->add_option("--set", o->set,
-                     "of a model: one load case's, or of sets one_set, heuristic_a or heuristic_b; else all")
+                     "for a model: one load case, or for spring sets one_set, heuristic_a or heuristic_b; default: all")
         ->type_name("NAME");
-    command->add_option("--path", o->path, "of cases: this load path alone")->type_name("NAME");
-    command->add_option("--surface", o->surface, "of vtp and glb: the organ's own surface, such as its .stl, which the model carries; else the model's coarser one")->type_name("FILE");
+    command->add_option("--path", o->path, "for cases: one load path; default: all")->type_name("NAME");
+    command->add_option("--surface", o->surface, "for vtp and glb: the organ's own surface, for example an .stl, which moves with the model; default: the model's coarser surface")->type_name("FILE");
     add_unit_option(*command, o->unit);
     command->get_option("--unit")->needs("--surface");
     command->callback([o] {
-        if (!o->surface.empty() && !o->draws_surface()) throw CLI::ValidationError("--surface", "is drawn by --to vtp and --to glb");
+        if (!o->surface.empty() && !o->draws_surface()) throw CLI::ValidationError("--surface", "needs --to vtp or --to glb");
         run(*o);
     });
 }

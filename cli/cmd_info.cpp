@@ -23,7 +23,7 @@ void run(const std::string& file) {
 
 void add_info(CLI::App& app, const Invocation&) {
     auto file = std::make_shared<std::string>();
-    CLI::App* command = app.add_subcommand("info", "Say what is in an HDF5 file of this project.");
+    CLI::App* command = app.add_subcommand("info", "Print the contents of an HDF5 file of this project.");
     command->add_option("file", *file, "cases.h5 or model.h5")->required()->type_name("FILE");
     command->callback([file] { run(*file); });
 }

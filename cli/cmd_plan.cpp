@@ -17,14 +17,14 @@ void run(const Options& o) {
     const std::filesystem::path folder = std::filesystem::path(o.out).parent_path() / "plan";
     const OpenFolder made(folder.string(), folder.string(), OpenFolder::Missing::make);
     std::error_code error;
-    // a mesh made from something else than the study's shape as it is now is none
+    // a mesh that was made from an older shape of the study is not used
     Plan plan = make_plan(study);
     bool stale = o.mesh.empty() || !std::filesystem::exists(o.mesh, error);
     const auto shape = plan.parts.find("shape");
     if (shape != plan.parts.end() && write_file_if_changed((folder / "shape").string(), shape->second)) stale = true;
     if (shape != plan.parts.end() && !stale) plan = make_plan(study, study_shape(study, o.mesh));
     for (const auto& [name, text] : plan.parts) write_file_if_changed((folder / name).string(), text);
-    write_file(o.out, plan.fragment);  // last: make takes a new fragment as a sign that all parts are there
+    write_file(o.out, plan.fragment);  // last, because make takes a new fragment as the sign that all parts exist
 }
 
 }  // namespace
@@ -33,10 +33,10 @@ void add_plan(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("plan", "Write make's targets and arguments for a study.");
     command->add_option("--study", o->study, "study file")->required()->type_name("FILE");
-    command->add_option("--out", o->out, "make fragment; its parts go to plan/ beside it")
+    command->add_option("--out", o->out, "make fragment to write; its parts are written to plan/ in the same folder")
         ->required()
         ->type_name("FILE");
-    command->add_option("--mesh", o->mesh, "mesh.msh of tissuectl shape, for a study that has a shape; plans only that without")
+    command->add_option("--mesh", o->mesh, "mesh.msh of tissuectl shape, for a study that has a shape; without it only this mesh is planned")
         ->type_name("FILE");
     command->callback([o] { run(*o); });
 }

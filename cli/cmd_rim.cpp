@@ -23,7 +23,7 @@ struct Options {
     double unit_m = 1, radius_m = 0.007, near_m = 0.003, far_m = 0.015;
 };
 
-/// What is made of a file; a refusal names it.
+/// Calls `make`; a MismatchError gets the file's name.
 template <class Make>
 auto about(const std::string& file, Make&& make) try {
     return make();
@@ -45,7 +45,7 @@ void run(const Options& o) {
         nodule = about(o.nodule, [&] { return inclusion_facets(inclusion_surface(read_surface_file(o.nodule), o.unit_m), o.far_m); });
         const Inclusion tissue(made.surface);
         for (const auto& place : nodule->nodes.rowwise())
-            if (!tissue.contains(place.transpose())) throw MismatchError(fmt::format("{}: ({:.6g}, {:.6g}, {:.6g}) m of it is not inside {}", o.nodule, place[0], place[1], place[2], named));
+            if (!tissue.contains(place.transpose())) throw MismatchError(fmt::format("{}: its point ({:.6g}, {:.6g}, {:.6g}) m is not inside {}", o.nodule, place[0], place[1], place[2], named));
     }
     write_file(o.out, to_msh(made.surface, nodule ? &*nodule : nullptr));
     const Eigen::Vector3d& c = made.contact_m;
@@ -56,20 +56,20 @@ void run(const Options& o) {
 
 void add_rim(CLI::App& app, const Invocation&) {
     auto o = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("rim", "Divide a solid's surface anew for a disc that presses on it; prints the contact on the surface.");
+    CLI::App* command = app.add_subcommand("rim", "Remesh a solid's surface around a disc, and print the contact on the surface.");
     command->add_option("--mesh", o->mesh, "the shape as gmsh saved it, MSH 2.2, or a surface: .stl, .obj, .ply, .off, .glb")->required()->type_name("FILE");
-    command->add_option("--named", o->named, "what messages call it (default: --mesh)")->type_name("FILE");
-    command->add_option("--fixed", o->fixed, "surfaces that are held, or regions (below_z_0.01, within_0.003_of_FILE)")->delimiter(',')->type_name("NAME,..")->capture_default_str();
-    command->add_option("--beds", o->beds, "of each of them the elastic bed that it lies on, from 1, which are labelled 21, 22, ..; 0: none")->delimiter(',')->type_name("BED,..")->check(CLI::Range(0, static_cast<int>(most_beds)));
+    command->add_option("--named", o->named, "name of the shape in messages (default: --mesh)")->type_name("FILE");
+    command->add_option("--fixed", o->fixed, "fixed surfaces or regions (below_z_0.01, within_0.003_of_FILE)")->delimiter(',')->type_name("NAME,..")->capture_default_str();
+    command->add_option("--beds", o->beds, "elastic bed under each of them, from 1, labelled 21, 22, ..; 0: none")->delimiter(',')->type_name("BED,..")->check(CLI::Range(0, static_cast<int>(most_beds)));
     command->add_option("--unit", o->unit_m, "the mesh's unit of length")->type_name("m")->capture_default_str();
-    command->add_option("--contact", o->contact_m, "about which the disc presses")->expected(3)->type_name("m m m");
-    command->add_option("--radius", o->radius_m, "of the disc")->type_name("m")->capture_default_str();
-    command->add_option("--size-near,--size_near", o->near_m, "sides of triangles near the disc")->type_name("m")->capture_default_str();
-    command->add_option("--size-far,--size_far", o->far_m, "and far away")->type_name("m")->capture_default_str();
-    CLI::Option* nodule = command->add_option("--nodule", o->nodule, "a closed surface inside it, in the same unit, along which elements are to end: written too")->type_name("FILE");
+    command->add_option("--contact", o->contact_m, "centre of the disc")->expected(3)->type_name("m m m");
+    command->add_option("--radius", o->radius_m, "radius of the disc")->type_name("m")->capture_default_str();
+    command->add_option("--size-near,--size_near", o->near_m, "length of triangle edges near the disc")->type_name("m")->capture_default_str();
+    command->add_option("--size-far,--size_far", o->far_m, "length of triangle edges far from the disc")->type_name("m")->capture_default_str();
+    CLI::Option* nodule = command->add_option("--nodule", o->nodule, "a closed surface inside the shape, in the same unit, which faces of elements must follow: written too")->type_name("FILE");
     CLI::Option* regions = command->add_option("--regions", o->regions, "volumes of the shape with a material of their own")->delimiter(',')->type_name("NAME,..");
-    command->add_option("--filled", o->filled, "that surface, filled with tetrahedra: label them by --regions instead")->needs(regions)->excludes(nodule)->type_name("FILE");
-    command->add_option("--out", o->out, "surface to write: fixed 1, free 2, disc 3, on beds 21, ..")->required()->type_name("FILE");
+    command->add_option("--filled", o->filled, "the surface filled with tetrahedra: label these by --regions instead of remeshing")->needs(regions)->excludes(nodule)->type_name("FILE");
+    command->add_option("--out", o->out, "surface to write, with labels: fixed 1, free 2, disc 3, on beds 21, ..")->required()->type_name("FILE");
     command->callback([o] { run(*o); });
 }
 

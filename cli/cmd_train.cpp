@@ -12,7 +12,7 @@
 #include "io/atomic_file.h"
 #include "progress.h"
 #include "train/endings.h"
-#include "train/train_law_model.h"
+#include "train/train_study_model.h"
 #include "train/train_sets.h"
 
 namespace tissue::cli {
@@ -27,13 +27,13 @@ struct Options {
     bool json = false;
 };
 
-/// A line of figures a set, or a term, as JSON.
+/// Prints a JSON array with an object per spring set, or per term of an energy model.
 void print(const TrainedModel& model) {
     nlohmann::ordered_json j;
-    if (const auto& law = model.energy_law)
+    if (const auto& law = model.energy_model)
         for (std::size_t t = 0; t < law->terms.size(); ++t)
             j.push_back({{"term", law->terms[t]}, {"coefficient", law->coefficients[static_cast<Eigen::Index>(t)]}});
-    for (const TrainingBook& t : model.books.trained)
+    for (const SetDiagnostics& t : model.books.trained)
         for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) {
             const auto i = static_cast<std::size_t>(c);
             j.push_back({{"optimizer", t.optimizer},
@@ -50,8 +50,8 @@ void print(const TrainedModel& model) {
 void run(const Options& o, Provenance provenance) {
     Study study = read_study(o.study);
     if (o.seed) study.training.seed = *o.seed;
-    if (study.springs.is_law() && (o.optimizer || o.iterations))
-        throw MismatchError("--optimizer and --iterations are of sets; study '" + study.name + "' has an energy model");
+    if (study.springs.is_energy_model() && (o.optimizer || o.iterations))
+        throw MismatchError("--optimizer and --iterations are for spring sets; study '" + study.name + "' has an energy model");
     if (o.optimizer) study.training.optimizer = *o.optimizer;
     if (o.iterations) study.training.iterations = *o.iterations;
     provenance.seed = study.training.seed;
@@ -61,7 +61,7 @@ void run(const Options& o, Provenance provenance) {
     {
         Progress progress("train");
         const Cases cases = read_cases(o.cases);
-        model = study.springs.is_law()
+        model = study.springs.is_energy_model()
                     ? train_law_model(study, cases, o.threads)
                     : train_sets(study, cases, o.threads,
                                  [&](int done, int total, const std::string& set) { progress.step(done, total, set); });
@@ -72,7 +72,7 @@ void run(const Options& o, Provenance provenance) {
     const Endings endings = endings_of(model.books);
     for (const std::string& line : endings.other) std::cerr << "tissuectl train: " << line << '\n';
     if (!endings.broken.empty())
-        throw NotAsPromised(fmt::format("{} is written, but not all in it ended as it promises: {}", o.out,
+        throw IncompleteResult(fmt::format("{} is written, but part of the training did not converge: {}", o.out,
                                         fmt::join(endings.broken, "; ")));
 }
 
@@ -95,7 +95,7 @@ void add_train(CLI::App& app, const Invocation& invocation) {
     command->add_option("--iterations", o->iterations, "in place of the study's training.iterations")
         ->type_name("count")
         ->check(CLI::Range(1, 100000000));
-    command->add_flag("--json", o->json, "print a line of figures a set, or a term, as JSON");
+    command->add_flag("--json", o->json, "print one line of JSON per spring set, or per term");
     command->callback([o, command, &invocation] {
         echo_options(*command);
         run(*o, {invocation.command, 0, {}});

@@ -14,7 +14,7 @@ namespace tissue::cli {
 const std::map<std::string, double> units_m = {{"mm", 0.001}, {"cm", 0.01}, {"m", 1}, {"inch", 0.0254}};
 
 const CLI::Validator& is_number() {
-    static const CLI::Validator check([](std::string& given) { return CLI::detail::to_lower(given).find("nan") == std::string::npos ? std::string() : given + " is no number"; }, "");
+    static const CLI::Validator check([](std::string& given) { return CLI::detail::to_lower(given).find("nan") == std::string::npos ? std::string() : given + " is not a number"; }, "");
     return check;
 }
 
@@ -22,7 +22,7 @@ const CLI::Validator& is_positive() {
     static const CLI::Validator check(
         [](std::string& given) {
             double value = 0;
-            return CLI::detail::lexical_cast(given, value) && value > 0 && std::isfinite(value) ? std::string() : given + " is no finite number above 0";
+            return CLI::detail::lexical_cast(given, value) && value > 0 && std::isfinite(value) ? std::string() : given + " is not a finite number above 0";
         },
         "");
     return check;
@@ -30,10 +30,10 @@ const CLI::Validator& is_positive() {
 
 void refuse_nan(CLI::App& program) {
     for (CLI::App* command : program.get_subcommands({})) {
-        if (command->get_name() == "serve") continue;  // a session's options say so in words of their own
+        if (command->get_name() == "serve") continue;  // the options of a session have their own messages
         for (CLI::Option* option : command->get_options([](const CLI::Option* o) {
                  static const std::set<std::string> units = {"m", "s", "1", "N", "kg", "Hz", "Pa/m", "Ns/m", "N/m", "rad", "m/s", "N/s"};
-                 const std::string type = o->get_type_name();  // with what checks say of themselves behind a colon
+                 const std::string type = o->get_type_name();  // validators append their description after a colon
                  return units.count(type.substr(0, type.find(':'))) > 0;
              }))
             option->check(is_number());
@@ -41,7 +41,7 @@ void refuse_nan(CLI::App& program) {
 }
 
 void add_unit_option(CLI::App& command, std::string& unit) {
-    command.add_option("--unit", unit, "of the file's numbers: mm, cm, m or inch")->check(CLI::IsMember({"mm", "cm", "m", "inch"}))->type_name("unit")->capture_default_str();
+    command.add_option("--unit", unit, "unit of length of the file: mm, cm, m or inch")->check(CLI::IsMember({"mm", "cm", "m", "inch"}))->type_name("unit")->capture_default_str();
 }
 
 void echo_options(const CLI::App& command) {
@@ -64,12 +64,13 @@ int printed(const CLI::App& program) {
 
 void hold_standard_descriptors() {
     for (int descriptor = 0; descriptor <= 2; ++descriptor)
-        if (::fcntl(descriptor, F_GETFD) < 0) ::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY);  // the lowest number that is free
+        // open() returns the lowest free number
+        if (::fcntl(descriptor, F_GETFD) < 0) ::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY);
 }
 
 std::string HelpTable::make_option(const CLI::Option* option, bool is_positional) const {
     const std::string initial = option->get_required() ? "required" : option->get_default_str(), unit = unit_of(*option);
-    // of two spellings the first; the second is an earlier version's
+    // the first of two spellings; the second is that of an earlier version
     const std::string name = is_positional || option->get_lnames().size() < 2 ? option->get_name(is_positional, true) : "--" + option->get_lnames().front();
     return fmt::format("  {:<22} {:<12} {:<10} {}{}\n", name, initial.empty() ? "-" : initial, unit.empty() ? "-" : unit, meaning_of(*option), range_of(*option));
 }

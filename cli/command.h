@@ -9,17 +9,18 @@
 
 namespace tissue::cli {
 
-/// What every command shares: the program's own arguments as they were typed, for provenance.
+/// Arguments of the program as they were typed, for the provenance of files. Shared by all commands.
 struct Invocation {
     std::string command;  ///< absolute paths shortened to their last part
 };
 
-/// The work is done and written, but did not end as it promises; what() is the line that says so. Exit status 3.
-struct NotAsPromised : Error {
+/// The work is done and written, but something in it did not converge or is not usable; what() says so in one line.
+/// Exit status 3.
+struct IncompleteResult : Error {
     using Error::Error;
 };
 
-/// Adds one command to the program. Each lives in a file of its own, cmd_NAME.cpp: parse, call lib, write.
+/// Each adds one command to the program. It is in its own file cmd_NAME.cpp: parse, call the library, write.
 void add_new(CLI::App& app, const Invocation& invocation);
 void add_plan(CLI::App& app, const Invocation& invocation);
 void add_shape(CLI::App& app, const Invocation& invocation);
@@ -36,24 +37,26 @@ void add_info(CLI::App& app, const Invocation& invocation);
 void add_export(CLI::App& app, const Invocation& invocation);
 void add_doctor(CLI::App& app, const Invocation& invocation);
 
-/// Units of length that a file's numbers may have [m], and the option that names one.
+/// Units of length that a file's numbers may have [m], and the option that selects one.
 extern const std::map<std::string, double> units_m;
 void add_unit_option(CLI::App& command, std::string& unit);
 
-/// Checks of an option's text. CLI11's own ranges let NaN through, which is neither less nor more, and its positive numbers end at one of 309 digits.
+/// Checks of an option's text. CLI11's ranges accept NaN, which is neither less nor more than a bound, and the message
+/// of its PositiveNumber prints a bound of 309 digits.
 const CLI::Validator& is_number();
 const CLI::Validator& is_positive();
-/// Every number of a program's commands, by its unit: NaN is none.
+/// Refuses NaN for all numbers of a program's commands; an option is a number if its unit is one of a number.
 void refuse_nan(CLI::App& program);
 
-/// Prints the options in use, given and default, on standard error: "tissuectl train: study=... threads=2".
+/// Prints the options in use, given and default, to standard error: "tissuectl train: study=... threads=2".
 void echo_options(const CLI::App& command);
 
-/// Exit status of a program that has printed what it was asked for: 0; 1, with a line, where standard output did not take all of it.
+/// Exit status of a program that has printed its output: 0; 1, with a message, where standard output did not take all
+/// of it.
 int printed(const CLI::App& program);
 
-/// Where the program was started with standard input, output or error closed: opens what can neither be read nor written there. Else the next file that
-/// the program opens would get their number, and what is printed.
+/// For a program started with standard input, output or error closed: opens /dev/null there, so that reading or writing
+/// fails. Else the next file that the program opens would get this descriptor, and the program's output.
 void hold_standard_descriptors();
 
 /// Help as a table: option, default, unit, meaning. An option's type name is its unit.

@@ -30,13 +30,13 @@ bool names_a_file(const CLI::Option& option) {
     return name == "FILE" || name == "FOLDER" || name == "PATH";
 }
 
-/// What follows the first line of an option's description.
+/// The lines of an option's description after the first.
 std::string long_text(const CLI::Option& option) {
     const std::string more = option.get_description().substr(meaning_of(option).size());
     return more.size() < 2 ? "" : ". " + more.substr(1);
 }
 
-/// Long names of the options, all or only those that `wanted` takes.
+/// Long names of the options for which `wanted` is true.
 template <class Wanted>
 std::vector<std::string> long_names(const CLI::App& app, Wanted wanted) {
     std::vector<std::string> names;
@@ -51,7 +51,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
     return text;
 }
 
-// ---- a page for man
+// ---- man page
 
 std::string roff(const std::string& text) {
     const std::string safe = replaced(replaced(text, "\\", "\\e"), "-", "\\-");
@@ -86,16 +86,16 @@ std::string man(const CLI::App& app) {
     for (const CLI::App* command : commands)
         text += fmt::format(".SS {}\n{}\n{}", roff(command->get_name()), roff(command->get_description()),
                             man_options(*command));
-    text += ".SH EXIT STATUS\n0 done, 1 the work failed, 2 the command line was wrong";
+    text += ".SH EXIT STATUS\n0 success, 1 failure, 2 wrong command line";
     if (!commands.empty())
-        text += ", 3 \\fBtrain\\fR has written the model, but something in it that promises convergence did not reach it";
+        text += ", 3 \\fBtrain\\fR has written the model, but part of the training did not converge";
     text += ".\n";
     return text;
 }
 
 // ---- completion
 
-/// Every command with its name; a program without commands is one of the name "".
+/// Every command with its name. The program itself has the name "".
 std::vector<std::pair<std::string, const CLI::App*>> parts_of(const CLI::App& app) {
     std::vector<std::pair<std::string, const CLI::App*>> parts = {{"", &app}};
     for (const CLI::App* command : commands_of(app)) parts.emplace_back(command->get_name(), command);

@@ -10,7 +10,7 @@
 namespace tissue::cli {
 namespace {
 
-/// What `act` refuses is a wrong command line. of: what it is about, before the line.
+/// Calls `act`, and reports its MismatchError as a wrong command line. of: text before the message.
 template <class Act>
 void or_usage(Act act, const std::string& of = "") {
     try {
@@ -37,7 +37,7 @@ CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& 
 
 namespace {
 
-/// --NAME VALUE. set(text): takes a value.
+/// Adds --NAME VALUE. set(text): takes a value.
 template <class Set>
 CLI::Option* add_option(CLI::App& app, const SessionOption& row, const std::string& name, const std::string& meaning, const Set& set) {
     CLI::Option* option = row.is_list() ? app.add_option_function<std::vector<std::string>>("--" + name, [set](const auto& words) { set(fmt::format("{}", fmt::join(words, " "))); }, meaning)->expected(2, 3)
@@ -61,7 +61,7 @@ void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices) {
         const std::string values = row.values();
         add_option(app, row, row.name, row.meaning + (values.empty() ? "" : row.is_number() ? ", " + values : ": " + values) + more, set)->default_str(initial);
     }
-    app.add_flag("--no-realtime", choices.no_realtime, "do not ask for SCHED_FIFO and locked memory");
+    app.add_flag("--no-realtime", choices.no_realtime, "do not request SCHED_FIFO and locked memory");
 }
 
 void add_second_options(CLI::App& app, Where program, CLI::Option* needed, HapticChoices& choices) {
@@ -73,7 +73,7 @@ void add_second_options(CLI::App& app, Where program, CLI::Option* needed, Hapti
             or_usage([&] { row.set(tried, text); }, "--" + name + ": ");
             choices.of_second.emplace_back(&row, text);
         };
-        add_option(app, row, name, "as of the first tool, whose value is the default", set)->needs(needed)->group(second_tool);
+        add_option(app, row, name, "as for the first tool, whose value is the default", set)->needs(needed)->group(second_tool);
     }
 }
 
@@ -95,9 +95,9 @@ void check(const HapticChoices& choices) {
 
 std::string options_page() {
     std::string page = "# Options of a session\n\n<!-- tissuectl --generate options; the rows are in lib/haptic/session_options.cpp -->\n\n"
-                       "`tissue-haptic` and `tissuectl serve` have them as `--NAME VALUE`, `tissue_open` as `\"NAME\", \"VALUE\"`, `tissue.Simulation` as\n"
-                       "`NAME=VALUE` with `_` for `-`. Of the programs a `yes|no` is a flag: `--NAME`, or `--no-NAME` where the default is yes. A wrong value is refused\n"
-                       "everywhere with the same line.\n\n"
+                       "`tissue-haptic` and `tissuectl serve` take them as `--NAME VALUE`, `tissue_open` as `\"NAME\", \"VALUE\"`, `tissue.Simulation` as\n"
+                       "`NAME=VALUE` with `_` for `-`. In the programs a `yes|no` is a flag: `--NAME`, or `--no-NAME` where the default is yes. A wrong value is refused\n"
+                       "everywhere with the same message.\n\n"
                        "| name | unit | default | values | where | while it runs | meaning |\n|---|---|---|---|---|---|---|\n";
     const auto cell = [](std::string text) {
         for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");

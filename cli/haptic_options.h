@@ -10,36 +10,38 @@
 
 namespace tissue::cli {
 
-/// What `tissue-haptic` and `tissuectl serve` have of the rows of session_options(), and beside them how the loop runs.
+/// Options of `tissue-haptic` and `tissuectl serve`: the rows of session_options(), and how the loop runs.
 struct HapticChoices {
     HapticOptions haptic;
     bool no_realtime = false;
-    std::vector<std::pair<const SessionOption*, std::string>> of_second;  ///< what a second tool has otherwise, as it was given
+    /// values of the second tool that differ from the first's, as they were typed
+    std::vector<std::pair<const SessionOption*, std::string>> of_second;
 
-    void press_with(int tools);  ///< two press the learned mesh alone
+    void press_with(int tools);  ///< sets the number of tools; with two there is no heuristic mesh
     HapticOptions second() const;
 };
 
-/// The rows of `program`. Their values are checked as they are read.
+/// Adds the rows of `program`. Values are checked as they are read.
 void add_haptic_options(CLI::App& app, Where program, HapticChoices& choices);
 
-/// The rows that each tool may have values of its own of, as --second-NAME; `needed`: without which they are none.
+/// Adds --second-NAME for the rows that may differ between tools. `needed`: the option without which they are refused.
 void add_second_options(CLI::App& app, Where program, CLI::Option* needed, HapticChoices& choices);
 
-/// Where help lists them.
+/// The group of these options in the help.
 inline const char* const second_tool = "Second tool: each as the option without second-, yes or no in place of a flag";
 
-/// After parsing. Throws CLI::ValidationError for numbers that no model takes (check_options).
+/// Call after parsing. Throws CLI::ValidationError for numbers that are out of range for every model (check_options).
 void check(const HapticChoices& choices);
 
-/// lib/api/OPTIONS.md.
+/// The text of lib/api/OPTIONS.md.
 std::string options_page();
 
-/// A number with its unit, its default and its meaning.
+/// Adds an option that is a number, with its unit, default and meaning.
 CLI::Option* add_number(CLI::App& app, const char* name, double& value, const char* unit, const char* meaning);
-CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& value, const char* unit, const char* meaning);  ///< of no default
+/// without a default
+CLI::Option* add_number(CLI::App& app, const char* name, std::optional<double>& value, const char* unit, const char* meaning);
 
-/// A check whose own words stay out of the help's column of units.
+/// Removes a check's description, which the help would print in the column of units.
 CLI::Validator quiet(CLI::Validator check);
 
 }  // namespace tissue::cli

@@ -46,7 +46,7 @@ std::string describe(const std::string& program, const Simulation& simulation, c
     const HapticModel& model = simulation.model();
     const HapticOptions& o = model.options;
     const std::string stiffness =
-        model.is_law() ? "an energy model" : fmt::format("sets {} (nearest, by {})", o.sets, o.select_by == SelectBy::force ? "force" : "displacement");
+        model.is_energy_model() ? "an energy model" : fmt::format("spring sets {} (nearest, by {})", o.sets, o.select_by == SelectBy::force ? "force" : "displacement");
     std::string text = fmt::format("{}: study '{}', {}, device {}\n", program, model.study, stiffness, names(devices));
     if (model.is_solid()) text += fmt::format("  tool: {} of {:g} mm radius\n", to_string(model.tool.shape), 1e3 * model.tool.radius_m);
     for (const auto& mesh : model.meshes)
@@ -57,7 +57,7 @@ std::string describe(const std::string& program, const Simulation& simulation, c
         if (const double wanted_s = contact_damping_s(o.dt_s, mesh->substeps); mesh->contact_damping_s < wanted_s)
             text += fmt::format("  the {} mesh: its steps allow a contact damping of {:.2f} ms times the stiffness, not of {:.2f}\n", mesh->name, 1e3 * mesh->contact_damping_s, 1e3 * wanted_s);
     if (model.stiffness && model.stiffness->floppy() > 0)
-        text += fmt::format("  the {} mesh can move for nothing: its shape at rest is not determined\n", model.is_law() ? "heuristic" : "learned");
+        text += fmt::format("  the {} mesh has zero-energy modes: its shape at rest is not determined\n", model.is_energy_model() ? "heuristic" : "learned");
     text += fmt::format("  coupling {}\n", model.stiffness ? fmt::format("up to {:.3g} N/m", *o.coupling_ratio * model.stiffness->largest()) : "none: the contact of the energy model");
     for (int t = 0; t < simulation.tool_count(); ++t) {
         const HapticOptions& own = simulation.options(t);
@@ -73,8 +73,8 @@ std::string tool_text(const Device& device, const Simulation& simulation, int to
     const SafetyCounters& s = simulation.safety(tool).counters();
     std::string text;
     text += fmt::format("  largest force    {:.4g} N, clamped {}, slewed {}, damped {}, capped {}\n", s.force_max_N, s.clamped, s.slewed, s.damped, s.capped);
-    text += fmt::format("  energy given     {:.4g} J\n", s.energy_given_J);
-    text += fmt::format("  refused input    {} (bad {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
+    text += fmt::format("  energy injected  {:.4g} J\n", s.energy_given_J);
+    text += fmt::format("  refused input    {} (not finite {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
     text += fmt::format("  no force         not yet outside {}, ticks too late {}\n", simulation.unarmed(tool), s.late);
     for (const auto& [name, value] : device.statistics()) text += fmt::format("  device {:<24} {:g}\n", name, value);
     return text;
@@ -104,15 +104,15 @@ void add_tool(Json& j, Json& details, const Device& device, const Simulation& si
 std::string statistics_text(const std::string& model_file, const std::vector<Device*>& devices, const Simulation& simulation, const LoopReport& report, long long dropped_samples) {
     const HapticCounters& h = simulation.counters();
     std::string text = fmt::format("{} on {}: {} ticks{}\n", model_file, names(devices), report.ticks, report.clock ? "" : ", without a clock");
-    text += fmt::format("  misses           {} ({} by this program)\n", report.misses, report.misses_program);
+    text += fmt::format("  overruns         {} ({} by this program)\n", report.misses, report.misses_program);
     text += fmt::format("  tick             {} (median / p99 / p99.9 / max)\n", percentiles_text(report.tick_us));
-    text += fmt::format("  lateness         {}\n", percentiles_text(report.lateness_us));
+    text += fmt::format("  latency          {}\n", percentiles_text(report.lateness_us));
     text += fmt::format("  dropped samples  {}\n", dropped_samples);
     if (simulation.model().options.energy_book) {
-        const BranchBook book = simulation.branches();
-        text += fmt::format("  branches         store {:.4g} J, have dissipated {:.4g} J\n", book.stored_J, book.dissipated_J);
+        const BranchEnergies book = simulation.branches();
+        text += fmt::format("  Maxwell branches stored {:.4g} J, dissipated {:.4g} J\n", book.stored_J, book.dissipated_J);
     }
-    text += fmt::format("  tissue           outline folded {}, mesh unstable {}, time lost {:.3g} s\n", h.folded, h.unstable, h.lost_s);
+    text += fmt::format("  tissue           outline folded {}, mesh diverged {}, time lost {:.3g} s\n", h.folded, h.unstable, h.lost_s);
     for (int t = 0; t < simulation.tool_count(); ++t) text += (t == 0 ? "" : "second tool\n") + tool_text(*devices[static_cast<std::size_t>(t)], simulation, t);
     return text;
 }
@@ -134,7 +134,7 @@ std::string statistics_json(const std::string& model_file, const std::vector<Dev
                                            {"substeps", mesh->substeps},
                                            {"omega_dt", std::sqrt(mesh->largest_eigenvalue_1_s2) * model.options.dt_s}};
     if (model.options.energy_book) {
-        const BranchBook book = simulation.branches();
+        const BranchEnergies book = simulation.branches();
         details["branches"] = {{"stored_J", book.stored_J}, {"dissipated_J", book.dissipated_J}};
     }
     details["lost_s"] = h.lost_s;
@@ -155,7 +155,7 @@ std::string statistics_json(const std::string& model_file, const std::vector<Dev
 
 std::string realtime_json(const HapticModel& model, const std::vector<PressResult>& presses,
                           const std::vector<SwitchJump>& jumps) {
-    Json j = {{"study", model.study}, {"version", version}, {"sets", model.is_law() ? Json(nullptr) : Json(model.options.sets)}, {"dt_s", model.options.dt_s}};
+    Json j = {{"study", model.study}, {"version", version}, {"sets", model.is_energy_model() ? Json(nullptr) : Json(model.options.sets)}, {"dt_s", model.options.dt_s}};
     for (const auto& mesh : model.meshes)
         j["dynamics"][mesh->name] = {{"step", mesh->dynamics},
                                      {"substeps", mesh->substeps},
@@ -163,7 +163,8 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
                                      {"lowest_frequency_Hz", mesh->lowest_frequency_Hz},
                                      {"damping_1_s", mesh->damping_1_s}};
     constexpr double missing = std::numeric_limits<double>::infinity(), nothing = std::numeric_limits<double>::quiet_NaN();
-    std::vector<double> against_static, against_fe, static_against_fe;  // a press without an answer is infinite, one that FE says nothing of NaN
+    // an indentation without an answer has an infinite error, one without an FE reference NaN
+    std::vector<double> against_static, against_fe, static_against_fe;
     Json list = Json::array();
     for (const PressResult& p : presses) {
         against_static.push_back(p.reason.empty() ? p.static_error : missing);
@@ -171,7 +172,7 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
         against_fe.push_back(p.reason.empty() ? p.fe_error.value_or(unanswered) : unanswered);
         static_against_fe.push_back(p.reason.empty() ? p.static_fe_error.value_or(unanswered) : unanswered);
         Json entry = {{"name", p.name}, {"rested", p.rested}, {"seconds", p.seconds}};
-        if (!model.is_law()) entry["set"] = p.set;
+        if (!model.is_energy_model()) entry["set"] = p.set;
         if (p.reason.empty()) {
             entry["static_error"] = p.static_error;
             entry["fe_error"] = optional(p.fe_error);

@@ -24,7 +24,7 @@ std::string header(int dimension) {
     return names + '\n';
 }
 
-/// Why a file may not be begun anew; empty when it is empty, or a journal without a reading.
+/// Why a file may not be overwritten; empty when it is empty, or a journal without rows.
 std::string in_the_way(int descriptor) {
     std::ifstream in(fmt::format("/proc/self/fd/{}", descriptor));
     std::string begins(header(3).size() + 1, '\0');
@@ -34,9 +34,9 @@ std::string in_the_way(int descriptor) {
     for (int dimension : {2, 3}) {
         const std::string first = header(dimension);
         if (begins == first) return {};
-        if (begins.compare(0, first.size(), first) == 0) return "has readings of an earlier session";
+        if (begins.compare(0, first.size(), first) == 0) return "has measurements of an earlier session";
     }
-    return in.bad() || begins.empty() ? "cannot be read" : "is there already, and is no journal";
+    return in.bad() || begins.empty() ? "cannot be read" : "exists and is not a journal";
 }
 
 }  // namespace
@@ -48,16 +48,16 @@ Journal::Journal(const std::string& file, int dimension) : file_(file) {
         throw FileError(fmt::format("{}: {}", file_, why));
     };
     const OpenPlace place = place_behind_links(file);
-    // what is open already shares its place with whoever else writes there
+    // an open descriptor shares its position with other writers
     shared_ = place.is_open_as >= 0;
     out_ = shared_ ? ::fcntl(place.is_open_as, F_DUPFD_CLOEXEC, 0)
                                  : ::openat(place.folder.descriptor(), place.name.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (out_ < 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
     struct stat is {};
     if (!shared_ && ::fstat(out_, &is) == 0 && S_ISREG(is.st_mode)) {  // a pipe has neither rows nor an end
-        if (::flock(out_, LOCK_EX | LOCK_NB) != 0) refuse(errno == EWOULDBLOCK ? "another session writes it" : fmt::format("cannot be locked: {}", std::strerror(errno)));
-        if (is.st_nlink > 1) refuse("is a link to a file that has other names, too: name another file, or take it away");
-        if (const std::string why = in_the_way(out_); !why.empty()) refuse(why + ": name another file, or take it away");
+        if (::flock(out_, LOCK_EX | LOCK_NB) != 0) refuse(errno == EWOULDBLOCK ? "another session is writing it" : fmt::format("cannot be locked: {}", std::strerror(errno)));
+        if (is.st_nlink > 1) refuse("is a file with several hard links: name another file, or remove it");
+        if (const std::string why = in_the_way(out_); !why.empty()) refuse(why + ": name another file, or remove it");
         if (::ftruncate(out_, 0) != 0) refuse(fmt::format("cannot be written: {}", std::strerror(errno)));
     }
     if (!write(header(dimension))) refuse("cannot be written");
@@ -67,7 +67,8 @@ Journal::~Journal() {
     if (out_ >= 0) ::close(out_);
 }
 
-/// All of it or nothing: a row that is cut off would be read as another reading. What others write to as well is never cut.
+/// Writes the whole line or nothing, because a cut row would be read as another measurement. A file that others write
+/// to is never truncated.
 bool Journal::write(const std::string& line) {
     const off_t begin = ::lseek(out_, 0, SEEK_CUR);
     for (std::size_t done = 0; done < line.size();) {
@@ -86,14 +87,15 @@ void Journal::add(const Learner::Line& line) {
     if (out_ < 0 || !whole_) return;
     std::string row;
     for (const Point& p : {line.poke.contact_m, line.poke.push_m, line.poke.force_N})
-        for (double v : p) row += fmt::format("{}{}", row.empty() ? "" : ",", v);  // reads back to the same bits
+        // the shortest text that reads back to the same double
+        for (double v : p) row += fmt::format("{}{}", row.empty() ? "" : ",", v);
     whole_ = write(row + '\n');
 }
 
 void Journal::close() {
     if (out_ < 0) return;
     if (::close(std::exchange(out_, -1)) != 0) whole_ = false;
-    if (!whole_) throw FileError(file_ + ": could not be written to its end: readings are missing from it");
+    if (!whole_) throw FileError(file_ + ": could not be written completely: measurements are missing");
 }
 
 }  // namespace tissue::cli

@@ -6,19 +6,21 @@
 
 namespace tissue::cli {
 
-/// What a session learned, as a CSV that `tissuectl adapt --live` learns the same from. A row is with the system as soon as it is learned: of a
-/// session that is killed all readings but the last stay, and no later session of the same name takes them away.
+/// Measurements that a session learned from, as a CSV; `tissuectl adapt --live` makes the same model of it. Each row is
+/// written to the system at once: if the session is killed, at most the last measurement is missing. A later session of
+/// the same name does not overwrite it.
 class Journal {
    public:
-    /// Empty: none is kept. Throws FileError when it cannot be written, when another session writes it, or when it is a file that is
-    /// neither empty nor a journal without rows.
+    /// file: empty: none is kept. Throws FileError when the file cannot be written, when another session writes it, or
+    /// when it is neither empty nor a journal without rows.
     Journal(const std::string& file, int dimension);
     ~Journal();
     Journal(const Journal&) = delete;
     Journal& operator=(const Journal&) = delete;
 
     void add(const Learner::Line& line);
-    /// After the last row. Throws FileError when the disk refused one: that and all later ones are missing, and no part of it stands there.
+    /// Call after the last row. Throws FileError when the disk refused a row: that row and all later ones are missing,
+    /// and no part of it is in the file.
     void close();
 
    private:
@@ -26,7 +28,7 @@ class Journal {
 
     std::string file_;
     int out_ = -1;
-    bool shared_ = false;  ///< a descriptor that was open already, which others may write to
+    bool shared_ = false;  ///< a descriptor that was already open, to which others may write
     bool whole_ = true;
 };
 

@@ -5,8 +5,8 @@
 
 namespace tissue::cli {
 
-/// Progress of long work on standard error: one line with the time left that rewrites itself on a terminal, a plain
-/// line a step otherwise.
+/// Progress of long work on standard error, with the time left. On a terminal one line that is rewritten; otherwise one
+/// line per step.
 class Progress {
    public:
     explicit Progress(std::string stage);

@@ -7,12 +7,12 @@
 
 namespace tissue::cli {
 
-/// The reader of the program's output may exit before its files are closed.
+/// The reader of the program's output may exit before the program has closed its files.
 inline void ignore_broken_pipes() {
     std::signal(SIGPIPE, SIG_IGN);
 }
 
-/// What is left to do when a session has ended, thing after thing: one that fails takes no other with it.
+/// Actions at the end of a session, one after the other. Each is done even if one before it failed.
 class SessionEnd {
    public:
     explicit SessionEnd(std::string program) : program_(std::move(program)) {}
@@ -27,7 +27,7 @@ class SessionEnd {
         }
     }
 
-    /// Throws the first of what failed; the others are told already.
+    /// Throws the first failure; the others were printed when they happened.
     void done() const {
         if (first_) std::rethrow_exception(first_);
     }

@@ -1,4 +1,4 @@
-// tissue-haptic: plays a learned tissue on a haptic device at 1 kHz (Sec. 4).
+// tissue-haptic: simulates a trained tissue model on a haptic device at 1 kHz (Sec. 4).
 //
 // Sample runs:
 //   tissue-haptic results/paper/model.h5 --device virtual --seconds 10
@@ -6,7 +6,7 @@
 //   tissue-haptic results/paper/model.h5 --device replay --trajectory session.h5
 //   tissue-haptic results/block3/model.h5 --device remote --port 5000 --second-device remote --second-port 5001
 //   tissue-haptic results/paper/model.h5 --check results/paper/cases.h5 --out realtime.json
-//   tissue-haptic results/surface-quick/model.h5 --motion probe --hidden patient.h5 --learn learned.h5
+//   tissue-haptic results/surface-quick/model.h5 --motion probe --hidden target.h5 --learn learned.h5
 // Exit status: 0 done (SIGINT, SIGTERM and SIGHUP too), 1 the work failed, 2 the command line was wrong.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -26,20 +26,20 @@
 #include "error.h"
 #include "generate.h"
 #include "haptic/device_kinds.h"
-#include "haptic/hidden_tissue.h"
+#include "haptic/target_tissue.h"
 #include "haptic/learner.h"
 #include "haptic/realtime_loop.h"
 #include "haptic/recorder.h"
 #include "haptic/remote_device.h"
 #include "haptic/virtual_device.h"
-#include "eval/truth_in_motion.h"
+#include "eval/session_indentation.h"
 #include "haptic_options.h"
 #include "haptic_report.h"
 #include "io/atomic_file.h"
 #include "io/one_line.h"
 #include "journal.h"
 #include "session_end.h"
-#include "springs/law_at_radius.h"
+#include "springs/energy_model_at_radius.h"
 #include "version.h"
 
 namespace {
@@ -53,7 +53,7 @@ void on_signal(int) {
     stop.store(true, std::memory_order_relaxed);
 }
 
-const std::string prefix[most_tools] = {"--", "--second-"};  ///< of a tool's options
+const std::string prefix[most_tools] = {"--", "--second-"};  ///< of the options of each tool
 
 struct Options {
     struct DeviceChoice {
@@ -62,7 +62,8 @@ struct Options {
     };
     std::string model, record, check, out, learn, journal, hidden;
     bool forget = false;
-    DeviceChoice device[most_tools] = {{device_kinds().names().front(), {}}, {}};  ///< of each tool; the second without a kind: there is one tool
+    /// of each tool; an empty second kind: there is one tool
+    DeviceChoice device[most_tools] = {{device_kinds().names().front(), {}}, {}};
     int tools() const { return device[1].kind.empty() ? 1 : 2; }
     std::optional<double> seconds;
     unsigned long seed = 2008;
@@ -70,12 +71,13 @@ struct Options {
     cli::HapticChoices choices;
 };
 
-/// What to press: the first 50 held-out contacts where the study draws them, else every load case. The full range fills up.
-/// Contacts of other discs than the one that plays are left out. own_m, disc_m: of the model's disc and of that; 0 in the plane.
-std::vector<PressTruth> press_truths(const Cases& cases, double own_m, double disc_m) {
+/// The indentations of --check: the first 50 contacts of the test set if the study draws one, else every load case.
+/// Contacts drawn over the full range (held_out_full) fill up the 50. Contacts of discs other than the one in use are
+/// left out. own_m, disc_m: radius of the model's disc and of the one in use [m]; 0 in the plane.
+std::vector<IndentationReference> press_truths(const Cases& cases, double own_m, double disc_m) {
     const auto of_other_disc = [&](const LoadPath& path) { return (path.radius_m > 0 ? path.radius_m : own_m) != disc_m; };
     constexpr std::size_t enough = 50;
-    std::vector<PressTruth> truths;
+    std::vector<IndentationReference> truths;
     for (const char* role : {"held_out", "held_out_full"})
         for (const LoadPath& path : cases.paths) {
             if (path.role != role || !path.lost.empty() || of_other_disc(path) || truths.size() >= enough) continue;
@@ -88,27 +90,27 @@ std::vector<PressTruth> press_truths(const Cases& cases, double own_m, double di
     return truths;
 }
 
-/// The study in motion, and the switches between the magnitudes of its first contacts.
-/// own_m: of the disc that the model has without --tool.
+/// --check: indentations of the study in the running simulation, and switches between the magnitudes of its first
+/// contacts. own_m: radius of the model's disc without --tool [m].
 void check(const Options& o, const TissueModel& tissue, const HapticModel& model, double own_m) {
-    if (tissue.energy_law && !tissue.energy_law->relaxation.empty())
-        throw MismatchError(o.model + ": --check presses until the tissue rests, and this model relaxes; tissuectl eval plays its histories");
-    if (model.tool.shape == ToolChoice::Shape::ball) throw MismatchError("--check compares with finite elements of discs, not of a ball");
+    if (tissue.energy_model && !tissue.energy_model->relaxation.empty())
+        throw MismatchError(o.model + ": --check needs tissue at rest, and this model relaxes; use tissuectl eval, which evaluates displacement histories");
+    if (model.tool.shape == ToolChoice::Shape::ball) throw MismatchError("--check compares with FE references of discs; --tool must not be a ball");
     const Cases cases = read_cases(o.check);
     std::vector<PressResult> presses;
-    for (const PressTruth& truth : press_truths(cases, own_m, model.tool.radius_m)) {
+    for (const IndentationReference& truth : press_truths(cases, own_m, model.tool.radius_m)) {
         if (stop.load()) throw tissue::Error("interrupted");
         presses.push_back(press(model, tissue, truth));
         const PressResult& p = presses.back();
         std::cerr << (p.reason.empty()
-                          ? fmt::format("  {:<26} {:.1f} s  {:.4g} N  {:.3f} % off the static answer{}\n", p.name, p.seconds,
+                          ? fmt::format("  {:<26} {:.1f} s  {:.4g} N  {:.3f} % from the static force{}\n", p.name, p.seconds,
                                         p.force_N.norm(), 100 * p.static_error,
-                                        p.fe_error ? fmt::format(", {:.1f} % off FE", 100 * *p.fe_error) : "")
-                          : fmt::format("  {:<26} no answer: {}\n", p.name, p.reason));
+                                        p.fe_error ? fmt::format(", {:.1f} % from the FE force", 100 * *p.fe_error) : "")
+                          : fmt::format("  {:<26} no result: {}\n", p.name, p.reason));
     }
     std::vector<SwitchJump> jumps;
     constexpr int shown = 18;
-    for (int from = 0; !model.is_law() && from + 1 < std::min(shown, tissue.case_count()); ++from) {
+    for (int from = 0; !model.is_energy_model() && from + 1 < std::min(shown, tissue.case_count()); ++from) {
         const bool same_place = (tissue.contact_m.row(from) - tissue.contact_m.row(from + 1)).norm() < 1e-9 &&
                                 (tissue.direction.row(from) - tissue.direction.row(from + 1)).norm() < 1e-9;
         if (!same_place) continue;
@@ -118,17 +120,17 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
     write_file(o.out, cli::realtime_json(model, presses, jumps));
 }
 
-/// "tissue-haptic 12.5 s: learned, measured 0.2 N, expected 0.3 N +- 5 %", with a warning's line after it.
+/// "tissue-haptic 12.5 s: learned, measured 0.2 N, expected 0.3 N +- 5 %", and a line with the warning, if any.
 std::string told(const Learner::Line& line) {
-    const PokeAnswer& a = line.answer;
+    const UpdateResult& a = line.answer;
     std::string text = fmt::format("tissue-haptic {:.1f} s: {}{}\n", line.time_s, to_string(a.status),
-                                   a.status == PokeStatus::learned ? fmt::format(", measured {:.3g} N, expected {:.3g} N +- {:.2g} %", line.poke.force_N.norm(), a.expected_N.norm(), 100 * a.expected_sd)
+                                   a.status == UpdateStatus::learned ? fmt::format(", measured {:.3g} N, expected {:.3g} N +- {:.2g} %", line.poke.force_N.norm(), a.expected_N.norm(), 100 * a.expected_sd)
                                                                    : ": " + a.why);
     if (!a.warning.empty()) text += "tissue-haptic: " + a.warning + '\n';
     return text;
 }
 
-/// What the second tool's device is and does otherwise than the first one's.
+/// Applies the options of the second tool and its device, where they differ from those of the first.
 void begin_second(const Options& o, Simulation& simulation) {
     HapticOptions second = o.choices.second();
     second.device = stricter(second.device, device_kinds().at(o.device[1].kind)->impedance);
@@ -143,17 +145,18 @@ void run(const Options& o, Provenance provenance) {
     cli::ignore_broken_pipes();
     HapticOptions haptic = o.choices.haptic;
     TissueModel tissue = read_model(o.model);
-    const double own_m = tissue.energy_law ? tissue.energy_law->disc_radius_m : 0;
+    const double own_m = tissue.energy_model ? tissue.energy_model->disc_radius_m : 0;
     const ToolChoice tool = haptic.tool;
     tissue = with_tool(std::move(tissue), tool);
     if (o.check.empty()) haptic.device = stricter(haptic.device, device_kinds().at(o.device[0].kind)->impedance);
-    else haptic.safety.force_max_N = 1e3;  // no device holds the tool back
+    else haptic.safety.force_max_N = 1e3;  // so that no device limits the force
     std::unique_ptr<Adaptation> adaptation;
     if (!o.learn.empty()) {
-        if (!tool.is_default()) throw MismatchError("--tool: a model that learns while it plays has its own disc");
+        if (!tool.is_default()) throw MismatchError("--tool: not possible with --learn: a model that learns keeps its own disc");
         adaptation = live_adaptation(o.model);
         if (o.forget) adaptation->forget();
-        const Hdf5Writer can_be_written(o.learn, "model", provenance);  // or a session would be lost at its end
+        // check now, because otherwise the session would be lost at its end
+        const Hdf5Writer can_be_written(o.learn, "model", provenance);
         tissue = adaptation->base();
         haptic = live_options(haptic, *adaptation);
     }
@@ -171,10 +174,10 @@ void run(const Options& o, Provenance provenance) {
     std::unique_ptr<cli::Journal> journal;
     std::unique_ptr<Learner> learner;
     if (adaptation) journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
-    // devices last: nothing is open while anything else can fail
+    // devices last, so that none is open while anything else can fail
     std::vector<std::unique_ptr<Device>> owned;
     for (int t = 0; t < o.tools(); ++t) owned.push_back(make_device(o.device[t].kind, o.device[t].values, {*o.seconds, o.seed + static_cast<unsigned long>(t), t, &model.rest, simulation.options(t).map}));
-    if (!o.hidden.empty()) owned[0] = std::make_unique<HiddenTissue>(std::move(owned[0]), with_tool(read_model(o.hidden), tool), o.choices.haptic);
+    if (!o.hidden.empty()) owned[0] = std::make_unique<TargetTissue>(std::move(owned[0]), with_tool(read_model(o.hidden), tool), o.choices.haptic);
     std::vector<Device*> devices;
     for (const auto& device : owned) devices.push_back(device.get());
     std::cerr << cli::describe("tissue-haptic", simulation, devices);
@@ -192,7 +195,7 @@ void run(const Options& o, Provenance provenance) {
                 static_cast<cli::Journal*>(with)->add(line);
             },
             journal.get(),
-            [](const char* why, void*) { std::cerr << "tissue-haptic: learning has ended, the session goes on without it: " << why << '\n'; });
+            [](const char* why, void*) { std::cerr << "tissue-haptic: learning has stopped, the session continues without it: " << why << '\n'; });
         loop.hooks.push_back(learner.get());
     }
     const LoopReport report = run_loop(simulation, devices, loop);
@@ -210,7 +213,7 @@ void run(const Options& o, Provenance provenance) {
                                  state.refused, learner->dropped(), o.learn);
     });
     end.then([&] {
-        if (learner && *learner->failure()) throw tissue::Error(fmt::format("learning ended before the session did: {}", learner->failure()));
+        if (learner && *learner->failure()) throw tissue::Error(fmt::format("learning stopped before the end of the session: {}", learner->failure()));
     });
     end.then([&] {
         if (journal) journal->close();
@@ -228,13 +231,13 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("model", o.model, "model.h5 of tissuectl train")->required()->type_name("FILE");
     app.add_option("--device", o.device[0].kind, fmt::format("{}", fmt::join(device_kinds().names(), ", ")))
         ->type_name("NAME")->capture_default_str()->check(quiet(CLI::IsMember(device_kinds().names())));
-    CLI::Option* second = app.add_option("--second-device", o.device[1].kind, "a second tool, moved by a device of its own; of an energy model")
+    CLI::Option* second = app.add_option("--second-device", o.device[1].kind, "device of a second tool; for an energy model")
         ->type_name("NAME")->check(quiet(CLI::IsMember(device_kinds().names())))->group(cli::second_tool);
-    add_number(app, "--seconds", o.seconds, "s", "how long; 0: until a device ends or a signal comes. Default: 10 where every device is virtual, else 0")->check(quiet(CLI::Range(0.0, longest_session_s)));
+    add_number(app, "--seconds", o.seconds, "s", "duration; 0: until a device ends or a signal comes. Default: 10 if every device is virtual, else 0")->check(quiet(CLI::Range(0.0, longest_session_s)));
     app.add_flag("--json", o.json, "print session statistics as JSON");
-    app.add_flag("--no-clock", o.no_clock, "ticks follow one another without waiting for the clock, and none is missed; --seconds are the tissue's. Of scripted motions, virtual and replay");
-    app.add_option("--record", o.record, "HDF5 file for every tick")->type_name("FILE");
-    app.add_option("--seed", o.seed, "of poke and probe; a second device has the next one")->type_name("integer")->capture_default_str();
+    app.add_flag("--no-clock", o.no_clock, "run ticks without waiting for the clock, so that there are no overruns; --seconds is simulated time. For scripted motions: devices virtual and replay");
+    app.add_option("--record", o.record, "HDF5 file that records every tick")->type_name("FILE");
+    app.add_option("--seed", o.seed, "seed of the motions poke and probe; a second device has the next one")->type_name("integer")->capture_default_str();
     for (int t = 0; t < most_tools; ++t)
         for (const DeviceKind* kind : device_kinds().kinds())
             for (const DeviceOption& option : kind->options) {
@@ -246,15 +249,15 @@ void add_options(CLI::App& app, Options& o) {
             }
     cli::add_haptic_options(app, tissue_haptic, o.choices);
     cli::add_second_options(app, tissue_haptic, second, o.choices);
-    CLI::Option* learn = app.add_option("--learn", o.learn, "learn from a device that measures force, and write the adapted model here at the end; of energy models")->type_name("FILE");
-    app.add_option("--journal", o.journal, "learned measurements, CSV, as they come; a new file: tissuectl adapt --live makes the same model of it, or of its first rows")->type_name("FILE")->needs(learn);
+    CLI::Option* learn = app.add_option("--learn", o.learn, "learn from a device that measures force, and write the adapted model here at the end; for energy models")->type_name("FILE");
+    app.add_option("--journal", o.journal, "CSV of the learned measurements, written as they are learned; must be a new file. tissuectl adapt --live makes the same model from it, or from its first rows")->type_name("FILE")->needs(learn);
     app.add_flag("--forget", o.forget, "start again from the trained model")->needs(learn);
-    CLI::Option* hidden = app.add_option("--hidden", o.hidden, "model.h5 of another tissue that the device touches, and whose force it feels: to try --learn")->type_name("FILE");
-    CLI::Option* check = app.add_option("--check", o.check, "press the held-out contacts, or else the cases, of this file; no device, no clock")->type_name("FILE");
-    CLI::Option* out = app.add_option("--out", o.out, "of --check: realtime.json to write")->type_name("FILE");
+    CLI::Option* hidden = app.add_option("--hidden", o.hidden, "model.h5 of a target tissue that the device touches and whose force it measures: to try --learn")->type_name("FILE");
+    CLI::Option* check = app.add_option("--check", o.check, "simulate the test set, or if there is none the load cases, of this cases.h5, without device and clock")->type_name("FILE");
+    CLI::Option* out = app.add_option("--out", o.out, "realtime.json to write, with --check")->type_name("FILE");
     check->needs(out);
     out->needs(check);
-    // of a session, which --check is none
+    // these options are of a session, and --check runs none
     for (CLI::Option* alone : {learn, hidden, check}) alone->excludes(second);
     for (const char* name : {"--device", "--record", "--learn", "--hidden", "--json", "--seconds", "--seed", "--no-clock", "--no-realtime", "--force-max"}) check->excludes(app.get_option(name));
     for (const DeviceKind* kind : device_kinds().kinds())
@@ -262,23 +265,24 @@ void add_options(CLI::App& app, Options& o) {
 }
 
 void finish(Options& o, const CLI::App& app) {
-    bool ends = true;  // by itself, with every device
+    bool ends = true;  // whether every device ends by itself
     for (int t = 0; t < o.tools(); ++t) {
         const auto& [name, values] = o.device[t];
         const DeviceKind& own = *device_kinds().at(name);
         ends = ends && own.seconds > 0;
         for (const DeviceKind* kind : device_kinds().kinds())
             for (const DeviceOption& option : kind->options)
-                if (kind->name != name && app.count(prefix[t] + option.name) > 0) throw CLI::ValidationError(prefix[t] + option.name, fmt::format("is of device {}, not of {}", kind->name, name));
+                if (kind->name != name && app.count(prefix[t] + option.name) > 0) throw CLI::ValidationError(prefix[t] + option.name, fmt::format("is an option of device {}, not of {}", kind->name, name));
         for (const DeviceOption& option : own.options)
             if (option.needed && values.at(option.name).empty())
                 throw CLI::ValidationError(fmt::format("{}device {}", prefix[t], name), fmt::format("needs {}{} {}", prefix[t], option.name, option.unit));
-        if (o.no_clock && !own.scripted) throw CLI::ValidationError("--no-clock", "device " + name + " moves by the clock");
-        if (t > 0 && !own.several && name == o.device[0].kind) throw CLI::ValidationError("--second-device", fmt::format("a session has one device {} at most", name));
+        if (o.no_clock && !own.scripted) throw CLI::ValidationError("--no-clock", "device " + name + " needs the clock");
+        if (t > 0 && !own.several && name == o.device[0].kind) throw CLI::ValidationError("--second-device", fmt::format("a session can have only one device {}", name));
     }
-    const auto port = [&](int t) { return o.device[t].kind == RemoteDevice::kind.name ? std::stoi(o.device[t].values.at("port")) : 0; };  // 0: any, or none
+    // 0: any free port, or no port
+    const auto port = [&](int t) { return o.device[t].kind == RemoteDevice::kind.name ? std::stoi(o.device[t].values.at("port")) : 0; };
     if (o.tools() > 1 && port(0) != 0 && port(0) == port(1))
-        throw CLI::ValidationError("--second-port", "is the first device's: each listens on a port of its own");
+        throw CLI::ValidationError("--second-port", "is the port of the first device: give each device its own port");
     if (!o.seconds) o.seconds = ends ? device_kinds().at(o.device[0].kind)->seconds : 0;
     o.choices.press_with(o.tools());
     cli::check(o.choices);
@@ -290,7 +294,7 @@ int main(int argc, char** argv) {
     cli::hold_standard_descriptors();
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
-    if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // under nohup it goes on
+    if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // under nohup the program continues
     std::string command;
     for (int i = 0; i < argc; ++i) {
         const std::string word = argv[i];
@@ -298,7 +302,7 @@ int main(int argc, char** argv) {
         command += (i > 0 ? " " : "") + (path ? std::filesystem::path(word).filename().string() : word);
     }
     Options o;
-    CLI::App app("Soft tissue that pushes back, on a haptic device at 1 kHz.", "tissue-haptic");
+    CLI::App app("Simulate soft tissue on a haptic device at 1 kHz.", "tissue-haptic");
     app.formatter(std::make_shared<cli::HelpTable>());
     app.set_version_flag("--version", std::string("tissue-haptic ") + tissue::version, "print the version");
     add_options(app, o);

@@ -1,12 +1,12 @@
-// tissuectl: the batch pipeline's commands. Each is a file cmd_NAME.cpp; this one only chooses.
+// tissuectl: the commands of the batch pipeline. Each is in a file cmd_NAME.cpp; this file selects one.
 //
 // Sample runs:
 //   tissuectl train --study fem/studies/paper.toml --cases results/paper/cases.h5 --out model.h5
 //   tissuectl eval --study fem/studies/paper.toml --model model.h5 --cases results/paper/cases.h5 --out eval.json
 //   tissuectl serve results/paper/model.h5
 //   tissuectl info model.h5
-// Exit status: 0 done, 1 the work failed, 2 the command line was wrong, 3 (train) the model is written, but something in
-// it that promises convergence did not reach it, (surface) the whole answer is printed: it cannot be filled.
+// Exit status: 0 done; 1 the work failed; 2 the command line was wrong; 3 (train) the model is written, but a part that
+// should have converged did not; 3 (surface) the answer is printed: the surface cannot be filled.
 #include <cblas.h>
 
 #include <filesystem>
@@ -20,7 +20,7 @@
 
 namespace {
 
-/// The first word, where it is neither an option nor a command.
+/// The first word, if it is neither an option nor a command; else "".
 std::string unknown_command(const CLI::App& app, int argc, char** argv) {
     const std::string word = argc > 1 ? argv[1] : "-";
     const bool known = !app.get_subcommands([&](const CLI::App* command) { return command->check_name(word); }).empty();
@@ -32,7 +32,7 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
 int main(int argc, char** argv) {
     using namespace tissue::cli;
     hold_standard_descriptors();
-    // parallelism is ours, a thread a spring set; a BLAS that threads on its own would also change last bits
+    // threads are used per spring set; threads of BLAS itself would also change the last bits of results
     openblas_set_num_threads(1);
 
     Invocation invocation;
@@ -72,15 +72,15 @@ int main(int argc, char** argv) {
         if (!std::cout.flush()) throw tissue::FileError("standard output: cannot write: the disk is full, or it is closed");
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? printed(app) : 2;
-    } catch (const NotAsPromised& e) {
+    } catch (const IncompleteResult& e) {
         std::cerr << "tissuectl: " << tissue::one_line(e.what()) << '\n';
-        return printed(app) == 0 ? 3 : 1;  // of an answer that is cut off, nothing is promised
+        return printed(app) == 0 ? 3 : 1;  // nothing is promised of output that was cut off
     } catch (const std::exception& e) {
         std::cerr << "tissuectl: " << tissue::one_line(e.what()) << '\n';
         return 1;
     }
     if (const int refused = tissue::refused_threads())
-        std::cerr << "tissuectl: the system made " << refused << " threads fewer than asked for (a limit on processes or "
-                  << "memory); the work was done with those there were, and results are the same\n";
+        std::cerr << "tissuectl: the system started " << refused << " threads fewer than requested (a limit on processes or "
+                  << "memory); the work was done with fewer threads, and results are the same\n";
     return 0;
 }

@@ -1,9 +1,9 @@
 // A rectangular block of tissue, split into triangles that are mirror-symmetric about its vertical axis.
 //
 //   top    +-----+-----+        Each half is a structured grid cut along one diagonal: "\" on the left,
-//          |\ \ \|/ / /|        "/" on the right. The two top corners, which the studies push on, so lie
-//   left   | \ \ | / / | right  in two triangles each, and pushing left or right gives mirrored answers.
-//          |\ \ \|/ / /|
+//          |\ \ \|/ / /|        "/" on the right. The two top corners are contacts of studies. Each of
+//   left   | \ \ | / / | right  them lies in two triangles, so loads to the left and right give mirrored
+//          |\ \ \|/ / /|        results.
 //   bottom +-----+-----+        Boundaries are named (bottom 1, right 2, top 3, left 4); the tissue is 10.
 //
 // Parameters, set with gmsh -setnumber:

@@ -1,18 +1,18 @@
-// A block of tissue in three dimensions, held at its bottom, meshed finely about the disc that pushes on its top.
+// A block of tissue in three dimensions, fixed at its bottom, with short elements about a disc on its top.
 //
 //        +----------------+  top, z = height: the disc is a face of its own, so that its rim is a line of nodes
 //       /     (disc)     /|
 //      +----------------+ |     x: 0 .. width, y: 0 .. length, z: 0 .. height
 //      |     (nodule)   | +     Boundaries are named (bottom 1, the free rest 2); the tissue is 10, the nodule 11.
 //      |                |/
-//      +----------------+  bottom, z = 0, held
+//      +----------------+  bottom, z = 0, fixed
 //
 // Parameters, set with gmsh -setnumber [m]:
 //   width, length, height       size of the block
-//   contact_x, contact_y        the disc's middle;  disc_radius
-//   second_x, second_y          the middle of a second disc of that radius; below 0: none
-//   size_near                   elements within disc_radius + 2 mm of the contact;  size_far: far away
-//   nodule_x, nodule_y, nodule_z, nodule_radius   a ball of its own material; radius 0: none
+//   contact_x, contact_y        the disc's centre;  disc_radius
+//   second_x, second_y          the centre of a second disc of that radius; below 0: none
+//   size_near                   element size within disc_radius + 2 mm of the contact;  size_far: far away
+//   nodule_x, nodule_y, nodule_z, nodule_radius   a spherical inclusion of its own material; radius 0: none
 // Sample run: gmsh -3 -format msh22 -setnumber contact_x 0.043 fem/block3.geo -o path.msh
 
 DefineConstant[ width = 0.1, length = 0.1, height = 0.05, contact_x = 0.05, contact_y = 0.05, disc_radius = 0.007,
@@ -25,7 +25,8 @@ If (disc_radius <= 0 || size_near <= 0 || size_far < size_near)
         disc_radius, size_near, size_far);
   Abort;
 EndIf
-least = 0.5 * size_near;  // [m] between the disc's rim and an edge of the top, or nodule and walls: else slivers
+// [m] least distance between the disc's rim and an edge of the top, and between nodule and walls; avoids slivers
+least = 0.5 * size_near;
 room = contact_x;
 room = (contact_y < room) ? contact_y : room;
 room = (width - contact_x < room) ? width - contact_x : room;
@@ -73,11 +74,11 @@ EndIf
 discs[] = {100};
 If (between > 0)
   Disk(1000) = {second_x, second_y, height, disc_radius};
-  discs[] += {1000};  // a nodule has surface 101
+  discs[] += {1000};  // 1000, since a nodule has surface 101
 EndIf
 BooleanFragments{ Volume{1}; Delete; }{ Volume{nodules[]}; Surface{discs[]}; Delete; }
 
-e = 1e-4 * height;  // more than the tolerance of OpenCASCADE's own boxes
+e = 1e-4 * height;  // larger than the tolerance of OpenCASCADE's bounding boxes
 bottom[] = Surface In BoundingBox{-e, -e, -e, width + e, length + e, e};
 all[] = Abs(CombinedBoundary{ Volume{:}; });
 free[] = all[];
@@ -118,7 +119,7 @@ If (between > 0)
   Field[4].Thickness = 3.5 * (size_far - size_near);
   Field[3].FieldsList = {1, 2, 4};
 EndIf
-If (between > 0 && between < size_near)  // rims nearer to each other than an element is long
+If (between > 0 && between < size_near)  // the gap between the rims is shorter than an element
   Field[5] = Ball;
   Field[5].XCenter = (contact_x + second_x) / 2;  Field[5].YCenter = (contact_y + second_y) / 2;  Field[5].ZCenter = height;
   Field[5].Radius = between;

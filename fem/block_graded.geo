@@ -1,18 +1,18 @@
 // A rectangular block of tissue whose elements shrink towards the free surface and towards the ends of one patch.
 //
-//   top    +--+---+-----+---+--+       A grid of graded columns and rows, each cell cut along one diagonal: "\" left
-//          +--+---+-----+---+--+       of the middle, "/" right of it, as in block.geo. Contacts that mirror each
-//   left   |  |   |     |   |  | right other get meshes that do.
+//   top    +--+---+-----+---+--+       A grid of graded columns and rows. Each cell is cut along one diagonal: "\"
+//          +--+---+-----+---+--+       left of the middle, "/" right of it, as in block.geo. Mirrored contacts get
+//   left   |  |   |     |   |  | right mirrored meshes.
 //          |  |   |     |   |  |       Boundaries are named (bottom 1, right 2, top 3, left 4); the tissue is 10.
 //   bottom +--+---+-----+---+--+
 //
 // Parameters, set with gmsh -setnumber:
 //   width, height     [m]  size of the block
-//   surface_size      [m]  elements at the free surface (0: no grading towards it), across it
-//   growth                 each element is this much longer than its neighbour on the finer side
-//   end_size          [m]  elements at the patch's ends, along the surface
-//   contact_x, contact_y [m]  the patch's middle, on the free surface
-//   patch_half_width  [m]  0: no patch; along the surface, round corners too
+//   surface_size      [m]  element size normal to the free surface, at it (0: no grading towards it)
+//   growth                 ratio of an element's length to that of its neighbour on the finer side
+//   end_size          [m]  element size along the surface at the patch's ends
+//   contact_x, contact_y [m]  the patch's centre, on the free surface
+//   patch_half_width  [m]  along the surface, also round corners; 0: no patch
 // Sample run: gmsh -2 -format msh22 -setnumber contact_x 0 -setnumber contact_y 0.05 -setnumber patch_half_width 0.005
 //   -setnumber end_size 0.001 fem/block_graded.geo -o patch.msh
 
@@ -24,7 +24,7 @@ If (growth <= 1)
   Abort;
 EndIf
 
-// ---- breaks of x and y: block sides, patch ends, and the size wanted there (0: as it comes)
+// ---- breaks of x and y: block sides and patch ends, with the element size wanted there (0: none prescribed)
 on_left = Fabs(contact_x) < 1e-9 * width;
 on_right = Fabs(contact_x - width) < 1e-9 * width;
 on_top = Fabs(contact_y - height) < 1e-9 * height;
@@ -35,8 +35,8 @@ If (patch_half_width > 0)
     Error("block_graded.geo: the contact (%g, %g) is not on the free surface", contact_x, contact_y);
     Abort;
   EndIf
-  // the patch's two ends as places on a surface unrolled at the top's corners: t < 0 is the left wall's depth below
-  // its corner, 0 to width the top, beyond it the right wall
+  // Position t of the patch's two ends along the surface, unrolled at the top's corners. t < 0 is the depth on the left
+  // wall below its corner, 0 to width is the top, and larger t is the right wall.
   t = contact_x;
   If (!on_top && on_left)
     t = contact_y - height;
@@ -50,7 +50,7 @@ If (patch_half_width > 0)
       x_break[] += e;  x_size[] += end_size;
     EndIf
   EndFor
-  // on a wall, from the lower end upwards
+  // Patch ends on a wall, from the lower one upwards.
   low = height;  high = height;
   For side In {-1 : 1 : 2}
     e = t + side * patch_half_width;

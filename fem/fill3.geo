@@ -1,9 +1,11 @@
-// Fills a closed surface with tetrahedra for a disc that presses on it: finely about the disc, as `tissuectl rim` has divided
-// the surface already. The surface's triangles stay as they are: held 1, free 2, under the disc 3. The tissue is 10, a nodule
-// inside it 11, along whose surface elements end: a sphere, or where nodule_shape is 1 the triangles of gmsh's surface 4.
+// Fills a closed surface with tetrahedra, for a disc that indents it. `tissuectl rim` has refined the surface about the
+// disc already, and elements are short there too. The surface's triangles are kept: fixed 1, free 2, under the disc 3.
+// The tissue is 10. A nodule inside it is 11, and elements follow its surface: a sphere, or with nodule_shape 1 the
+// triangles of gmsh's surface 4.
 //
-// Parameters, set with gmsh -setnumber [m]: contact_x, contact_y, contact_z, disc_radius, size_near, size_far, nodule_x,
-// nodule_y, nodule_z, nodule_radius (0: none), as block3.geo; better: gmsh works on tetrahedra of less than this quality
+// Parameters, set with gmsh -setnumber [m]: contact_x, contact_y, contact_z, disc_radius, size_near, size_far,
+// nodule_x, nodule_y, nodule_z, nodule_radius (0: none), as in block3.geo. `better` [1]: gmsh optimises tetrahedra of
+// lower quality.
 // Sample run (one line): gmsh -3 -format msh22 -setnumber contact_x 0.04 -setnumber contact_y 0.045
 //   -setnumber contact_z 0.055 surface.msh fem/fill3.geo -o path.msh
 
@@ -21,10 +23,12 @@ If (nodule_shape)
   Volume(2) = {2};
   Physical Volume("nodule", 11) = {2};
 ElseIf (nodule_radius > 0)
-  // Its nodes lie 1.03 radii out: what its flat sides of 0.6 radii enclose is then the ball's volume, within 3 %. On the radius
-  // itself it is 8 % less, and a press 5 mm above a nodule of 8 mm that is four times as stiff 2 % softer.
+  // The nodes of the sphere lie at 1.03 radii. Its facets, of 0.6 radii, then enclose the ball's volume within 3 %.
+  // With nodes at one radius the volume is 8 % too small. An indentation 5 mm above a nodule of 8 mm that is four times
+  // as stiff is then 2 % softer.
   r = 1.03 * nodule_radius;
-  // a ball of eight faces between the ends of its axes, in gmsh's own geometry: OpenCASCADE's does not stand beside triangles
+  // A sphere of eight faces between the ends of its axes, in gmsh's built-in geometry kernel. OpenCASCADE's kernel
+  // cannot be combined with a surface of triangles.
   middle = newp;  Point(middle) = {nodule_x, nodule_y, nodule_z};
   ends[] = {};  // -x, x, -y, y, -z, z
   For d In {0:2}
@@ -66,7 +70,8 @@ Physical Volume("tissue", 10) = {1};
 Field[1] = Ball;
 Field[1].XCenter = contact_x;  Field[1].YCenter = contact_y;  Field[1].ZCenter = contact_z;
 Field[1].Radius = disc_radius + 0.002;
-// Delaunay's tetrahedra are larger than asked for; on ones of size_near, elements under the disc fold on the way to 8 mm
+// The Delaunay algorithm makes larger tetrahedra than asked for. With size_near itself, elements under the disc invert
+// before 8 mm of displacement.
 Field[1].VIn = 0.75 * size_near;  Field[1].VOut = size_far;
 Field[1].Thickness = 3.5 * (size_far - size_near);
 Field[2] = Ball;

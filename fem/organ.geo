@@ -1,13 +1,14 @@
-// A section through an organ, of a liver's size and look: 104 mm by 60 mm, curved all round, with a lump inside.
+// A section through an organ with a liver's size and shape: 104 mm by 60 mm, curved all round, with an inclusion
+// ("lump").
 //
 //            ___----___
-//        .-'           ''--..___        The surface is free but for its underside ("bed"), where it is attached.
-//       (      (lump)            ''.    "lump" is a region of its own, for studies that give it a material; for
-//        '.                     _.-'    others it is tissue like the rest.
+//        .-'           ''--..___        The surface is free except for its underside ("bed"), which is fixed.
+//       (      (lump)            ''.    "lump" is a region of its own: studies may give it a material of its own.
+//        '.                     _.-'    Otherwise it is the same tissue.
 //          '-._____________..--'
 //                  bed
 //
-// In millimetres: studies say geometry.unit_m = 0.001. Sizes of elements come from the study (lattice.size_m).
+// Lengths are in millimetres: studies set geometry.unit_m = 0.001. Element sizes come from the study (lattice.size_m).
 // Sample run: gmsh -2 -clmin 10 -clmax 10 fem/organ.geo -o organ.msh
 
 Point(1) = {12, 12, 0};  Point(2) = {40, 4, 0};   Point(3) = {72, 8, 0};                          // the bed

@@ -1,7 +1,8 @@
-// The block of `paper` with something in it: three layers, and a lump in the upper one, its middle 27 mm below the surface.
+// The block of `paper` with three layers and an inclusion ("lump") in the upper one, whose centre is 27 mm below the
+// surface.
 //
-//        +---------------------+  0.1     Each is a region of its own, for studies that give it a material; for others
-//        |  (lump)        top  |          it is tissue like the rest. Only the bottom edge is held.
+//        +---------------------+  0.1     Each is a region of its own: studies may give it a material of its own.
+//        |  (lump)        top  |          Otherwise it is the same tissue. Only the bottom edge is fixed.
 //        +---------------------+  0.05
 //        |       middle        |
 //        +---------------------+  0.025
@@ -9,7 +10,7 @@
 //        +---------------------+  0
 //               bottom
 //
-// In metres. Sizes of elements come from the study (lattice.size_m).
+// Lengths are in metres. Element sizes come from the study (lattice.size_m).
 // Sample run: gmsh -2 -clmin 0.01 -clmax 0.01 fem/patient.geo -o patient.msh
 
 Point(1) = {0, 0, 0};     Point(2) = {0.1, 0, 0};

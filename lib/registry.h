@@ -8,12 +8,12 @@
 
 namespace tissue {
 
-/// The kinds of one thing, in the order in which messages list them. Each kind knows its own name, and is entered in one
-/// line.
+/// All kinds of one thing (devices, spring laws), in the order in which messages list them. The name of a kind is read
+/// from the kind itself, so that a new kind is one entry in the list.
 template <class Kind>
 class Registry {
    public:
-    /// what: the thing, as messages call it ("spring law"). name_of(kind): its name.
+    /// what: the thing's name in messages ("spring law"). kinds: all of them. name_of(kind): the name of a kind.
     template <class NameOf>
     Registry(std::string what, std::vector<Kind> kinds, NameOf name_of) : what_(std::move(what)), kinds_(std::move(kinds)) {
         for (const Kind& kind : kinds_) names_.push_back(name_of(kind));
@@ -22,7 +22,7 @@ class Registry {
     const std::vector<Kind>& kinds() const { return kinds_; }
     const std::vector<std::string>& names() const { return names_; }
 
-    /// Throws MismatchError for an unknown name, listing what is allowed.
+    /// The kind of this name. Throws MismatchError for an unknown name; the message lists the allowed names.
     const Kind& at(const std::string& name) const {
         std::string allowed;
         for (std::size_t i = 0; i < names_.size(); ++i) {

@@ -2,21 +2,24 @@
 
 namespace tissue {
 
-/// Of the whole project; CHANGELOG.md says what each one brought.
+/// Version of the whole project; CHANGELOG.md lists the changes of each.
 inline constexpr const char* version = "0.1.0";
 
-/// Of every file format in results/FORMATS.md, but of a model.h5 whose stiffness is a law, of whatever is in space, and of cases with histories:
-/// earlier programs must refuse them. Readers refuse a later one.
+/// Version of the file formats in results/FORMATS.md. The kinds of files below have later versions, so that earlier
+/// programs refuse them. Readers refuse a version later than last_format_version.
 inline constexpr int format_version = 1;
-inline constexpr int law_format_version = 2;
-inline constexpr int solid_format_version = 4;  ///< of cases in space
-inline constexpr int time_format_version = 5;   ///< of a model that relaxes, and of cases with histories
-inline constexpr int adapted_format_version = 6;  ///< of a model that has learned from pokes
-inline constexpr int embedded_format_version = 9;  ///< of a model in space; earlier ones had other contacts: refused
-inline constexpr int radii_format_version = 10;   ///< of cases that discs of several radii press, and of a model that knew such
-inline constexpr int rows_format_version = 11;    ///< of a model that knows such: its rows go by radius and spacing
-inline constexpr int curve_format_version = 12;   ///< of a model whose springs are not Hooke's
-inline constexpr int two_tools_format_version = 13;  ///< of cases that two discs press at once
-inline constexpr int last_format_version = two_tools_format_version;
+inline constexpr int law_format_version = 2;    ///< a model whose stiffness is an energy model
+inline constexpr int solid_format_version = 4;  ///< cases in space; those of version 3 are refused
+inline constexpr int time_format_version = 5;   ///< a model that relaxes; cases with displacement histories
+inline constexpr int adapted_format_version = 6;  ///< a model that was adapted to measurements
+inline constexpr int embedded_format_version = 9;  ///< a model in space; 7 and 8 had other contacts and are refused
+inline constexpr int radii_format_version = 10;   ///< cases with discs of several radii
+/// A model trained under discs of several radii: its contact stiffnesses depend on radius and lattice spacing. Version
+/// 10 had them depend on the radius alone, and is refused.
+inline constexpr int rows_format_version = 11;
+inline constexpr int curve_format_version = 12;   ///< a model whose springs are not Hookean
+inline constexpr int two_tools_format_version = 13;  ///< cases with two discs at once
+inline constexpr int pulled_format_version = 14;     ///< a model whose contact hardens in compression alone
+inline constexpr int last_format_version = pulled_format_version;
 
 }  // namespace tissue

@@ -1,11 +1,16 @@
-// What `make patient` measures on one patient: how far a model that learns from pokes is from contacts that it never learns from, poke by poke.
-//   adapt_probe --model FILE --cases FILE --role ROLE [--seed N] [--method NAME] [--told] [--alone] [--place mm] [--outliers part]
-// Pokes are the cases' paths of role held_out_full, in an order of the seed's, with 2 % of Gaussian noise on each component of force. Methods:
+// Measures one target tissue for `make patient`: the force error of an adapted energy model at test contacts, after
+// each measurement.
+//   adapt_probe --model FILE --cases FILE --role ROLE [--seed N] [--method NAME] [--told] [--alone] [--place mm]
+//     [--outliers part] [--pokes ROLE]
+// Measurements are the cases' paths of role --pokes (default held_out_full), in an order drawn with the seed, with 2 %
+// of Gaussian noise on each component of force. Methods:
 //   scale terms field elements   the filter (adapt/adaptation.h) on these unknowns
-//   gradient   normalised gradient steps on the field, half of the way a poke
-//   spsa       ten of SPSA's iterations on the field a poke, over the last three pokes
-//   refit      all pokes so far at once, by the field's prior: the best that the filter could have done
-// --told: the next poke is that of those left which the filter says is worth most; its force it cannot know. Prints JSON.
+//   gradient   normalised gradient steps on the field, half a step per measurement
+//   spsa       ten iterations of SPSA on the field per measurement, over the last three measurements
+//   refit      all measurements so far at once, with the field's prior: the best that the filter could reach
+// --told: of the measurements that are left, the next is the one that rank_measurements values most; its force is not used for
+// that. --alone: without one scale for all the tissue as the alternative to the field. --place: error of the contact's
+// position. --outliers: fraction of the measurements with ten times the force. Prints JSON.
 #include <gsl/gsl_randist.h>
 
 #include <CLI/CLI.hpp>
@@ -17,12 +22,12 @@
 #include <nlohmann/json.hpp>
 
 #include "adapt/adaptation.h"
-#include "adapt/next_poke.h"
+#include "adapt/next_measurement.h"
 #include "cases/load_path.h"
 #include "eval/statistics_json.h"
 #include "gsl.h"
 #include "parallel.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 namespace {
 
@@ -44,25 +49,25 @@ struct Stream {
     double uniform() { return gsl_rng_uniform(rng.get()); }
 };
 
-std::vector<Poke> pokes_of(const Cases& cases, const std::string& role, double factor) {
-    std::vector<Poke> pokes;
+std::vector<ForceMeasurement> pokes_of(const Cases& cases, const std::string& role, double factor) {
+    std::vector<ForceMeasurement> pokes;
     for (const LoadPath& path : cases.paths)
         if (path.role == role && path.lost.empty() && path.records.size() > 1)
             pokes.push_back({path.contact_m, path.push_m(path.records.back()), factor * path.records.back().contact_force_N});
     return pokes;
 }
 
-/// How many more there are at which FE has no answer: in no quantile, but in N (eval/statistics.h).
+/// Number of paths of a role without an FE reference. They are in no quantile but count in N (eval/statistics.h).
 int lost_of(const Cases& cases, const std::string& role) {
     return static_cast<int>(std::count_if(cases.paths.begin(), cases.paths.end(), [&](const LoadPath& path) { return path.role == role && !path.lost.empty(); }));
 }
 
-/// r and H of one poke, as the filter has them.
+/// Residual r and its derivative H by the unknowns for one measurement, as in the filter (Adaptation).
 struct Row {
     Point r;
     Eigen::MatrixXd H;
 };
-Row row_of(Adaptation& a, const Poke& poke) {
+Row row_of(Adaptation& a, const ForceMeasurement& poke) {
     const Expected e = a.expect(poke.contact_m, poke.push_m);
     const double size = e.force_N.norm(), ratio = std::log(poke.force_N.norm() / size);
     const Point f = e.force_N / size, g = poke.force_N.normalized();
@@ -75,12 +80,12 @@ void put(Adaptation& a, const Eigen::VectorXd& x) {
     a.restore(std::move(state));
 }
 
-void gradient(Adaptation& a, const Poke& poke) {
+void gradient(Adaptation& a, const ForceMeasurement& poke) {
     const Row row = row_of(a, poke);
     put(a, a.state().x + 0.5 * row.H.transpose() * (row.H * row.H.transpose()).ldlt().solve(row.r));
 }
 
-void spsa(Adaptation& a, const std::vector<Poke>& known, Stream& draw) {
+void spsa(Adaptation& a, const std::vector<ForceMeasurement>& known, Stream& draw) {
     const std::size_t first = known.size() > 3 ? known.size() - 3 : 0;
     const auto loss = [&](const Eigen::VectorXd& x) {
         put(a, x);
@@ -102,7 +107,7 @@ void spsa(Adaptation& a, const std::vector<Poke>& known, Stream& draw) {
     put(a, x);
 }
 
-void refit(Adaptation& a, const std::vector<Poke>& known) {
+void refit(Adaptation& a, const std::vector<ForceMeasurement>& known) {
     const Eigen::Index D = a.base().mesh.dimension(), P = a.unknowns().size(), n = D * static_cast<Eigen::Index>(known.size());
     const AdaptOptions& o = a.options();
     put(a, Eigen::VectorXd::Zero(P));
@@ -124,8 +129,8 @@ void refit(Adaptation& a, const std::vector<Poke>& known) {
 void run(const Options& o) {
     const TissueModel model = read_model(o.model);
     const Cases cases = read_cases(o.cases);
-    std::vector<Poke> left = pokes_of(cases, o.pokes, o.factor);
-    const std::vector<Poke> held_out = pokes_of(cases, o.role, o.factor);
+    std::vector<ForceMeasurement> left = pokes_of(cases, o.pokes, o.factor);
+    const std::vector<ForceMeasurement> held_out = pokes_of(cases, o.role, o.factor);
     Stream draw(o.seed);
     for (std::size_t i = left.size(); i > 1; --i) std::swap(left[i - 1], left[gsl_rng_uniform_int(draw.rng.get(), i)]);
 
@@ -141,17 +146,19 @@ void run(const Options& o) {
     std::vector<double> update_ms, rank_ms;
     const auto seconds = [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); };
     const auto judge = [&](int n) {
-        const LawPress press(adaptation.model());
+        const IndentationSolver press(adaptation.model());
         std::vector<double> error(held_out.size());
         parallel_for(static_cast<int>(held_out.size()), 2, [&](int i) {
-            const Poke& poke = held_out[static_cast<std::size_t>(i)];
+            const ForceMeasurement& poke = held_out[static_cast<std::size_t>(i)];
             const Equilibrium answer = press.at(poke.contact_m, poke.push_m);
             error[static_cast<std::size_t>(i)] = answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : std::numeric_limits<double>::infinity();
         });
-        int one = 0, two = 0;  // held-out forces within what the filter says, as often as 68 and 95 % of two or three axes lie
-        for (const Poke& poke : held_out) {
+        // Test forces within the filter's 68 % and 95 % regions: chi-squared quantiles for two or three degrees of
+        // freedom.
+        int one = 0, two = 0;
+        for (const ForceMeasurement& poke : held_out) {
             const Expected e = adaptation.expect(poke.contact_m, poke.push_m);
-            if (e.status != PressStatus::held) continue;
+            if (e.status != SolverStatus::converged) continue;
             const Point off = (poke.force_N - e.force_N) / e.force_N.norm();
             const double chi2 = off.dot(adaptation.covariance(e).ldlt().solve(off));
             one += chi2 < (off.size() == 2 ? 2.279 : 3.506);
@@ -164,18 +171,18 @@ void run(const Options& o) {
         curve.push_back(row);
     };
     judge(0);
-    std::vector<Poke> known;
+    std::vector<ForceMeasurement> known;
     const std::vector<int> looked_at = {1, 2, 3, 5, 10, 20, 40, 60};
     for (int n = 1; n <= o.most && !left.empty(); ++n) {
         std::size_t next = 0;
         if (o.told) {
             std::vector<Push> may_be;
-            for (const Poke& poke : left) may_be.push_back({poke.contact_m, poke.push_m});
+            for (const ForceMeasurement& poke : left) may_be.push_back({poke.contact_m, poke.push_m});
             const double began = seconds();
-            next = rank_pokes(adaptation, may_be, judged).front().push;
+            next = rank_measurements(adaptation, may_be, judged).front().push;
             rank_ms.push_back(1e3 * (seconds() - began));
         }
-        Poke poke = left[next];
+        ForceMeasurement poke = left[next];
         left.erase(left.begin() + static_cast<std::ptrdiff_t>(next));
         const double size = poke.force_N.norm();
         for (double& f : poke.force_N) f += 0.02 * size * draw.normal();
@@ -212,19 +219,19 @@ void run(const Options& o) {
 
 int main(int argc, char** argv) {
     Options o;
-    CLI::App app("What a model that learns from pokes is off, poke by poke.", "adapt_probe");
+    CLI::App app("Error of an energy model after each measurement that it learns from.", "adapt_probe");
     app.add_option("--model", o.model)->required();
     app.add_option("--cases", o.cases)->required();
-    app.add_option("--role", o.role, "of the contacts that judge");
-    app.add_option("--pokes", o.pokes, "of those that are learned from");
+    app.add_option("--role", o.role, "role of the test contacts");
+    app.add_option("--pokes", o.pokes, "role of the contacts that are measured");
     app.add_option("--method", o.method)->check(CLI::IsMember({"scale", "terms", "field", "elements", "gradient", "spsa", "refit"}));
     app.add_option("--seed", o.seed);
     app.add_flag("--told", o.told);
-    app.add_flag("--alone", o.alone, "without one scale as the field's rival");
+    app.add_flag("--alone", o.alone, "without the single scale as alternative to the field");
     app.add_option("--place", o.place_mm, "mm");
     app.add_option("--outliers", o.outliers, "part");
-    app.add_option("--factor", o.factor, "all forces times this: a tissue so much stiffer");
-    app.add_option("--most", o.most, "pokes");
+    app.add_option("--factor", o.factor, "factor of all forces, for a tissue that is stiffer by this factor");
+    app.add_option("--most", o.most, "largest number of measurements");
     CLI11_PARSE(app, argc, argv);
     try {
         run(o);

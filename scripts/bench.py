@@ -1,15 +1,16 @@
-"""Speed of our parts beside that of others: bench.py [--make MAKE] [--quick] PROGRAM...      (run by `make bench`)
+"""Compares the speed of our programs with that of others: bench.py [--make MAKE] [--quick] PROGRAM...   (`make bench`)
 
 Writes results/bench.json, a list of {"name", "unit", "median", "p95", "n", "peer", "peer_version", "peer_median",
-"ratio"}: ratio = ours / peer's, both from this run and taken in turns; peer fields are null where there is no peer, or
-where it is not installed (scripts/venv). Prints the same as a table. A slow machine is no failure.
+"ratio"}. ratio = our median / the peer's median, both from this run and measured alternately. The peer fields are null
+where there is no peer, or where it is not installed (scripts/venv). Prints the same as a table. A slow machine is not
+an error.
 
 PROGRAM     build/.../bench_NAME, made from tests/bench/bench_NAME.cpp, or a script tests/bench/bench_NAME.py.
-            bench_train is driven by this script, and so is tissue-haptic, a minute of it beside cyclictest. Any other
-            is run once as `bench_NAME results/paper`, and prints a JSON list of {"name", "unit", "samples"}, or of
-            finished entries.
---quick     leaves out the last parts: how the cost of training in space grows; the whole study `surface` from clean, which
-            takes longer than all the rest, its training alone, and how its cost grows
+            This script runs bench_train in parts, and tissue-haptic for a minute, alternating with cyclictest. Any
+            other program is run once as `bench_NAME results/paper` and prints a JSON list of {"name", "unit",
+            "samples"}, or of finished entries.
+--quick     leaves out the last parts: how the cost of training in space grows; the whole study `surface` from clean,
+            which takes longer than all the rest, its training alone, and how its cost grows
 """
 import argparse
 import json
@@ -30,22 +31,22 @@ ROOT = Path(__file__).resolve().parent.parent
 STUDY = "fem/studies/paper.toml"
 SOLID = "fem/studies/block3-quick.toml"
 RESULTS = "results/paper"
-WORK = "build/bench"                    # scratch: FE solved for time alone
+WORK = "build/bench"                    # temporary: FE results for timing only
 VENV = ROOT / "build" / "venv" / "bin" / "python"
 PEERS = "tests/bench"
 KEYS = ["name", "unit", "median", "p95", "n", "peer", "peer_version", "peer_median", "ratio"]
 
 FE_ROUNDS = 3
-SETS = [0, 3, 6, 9, 12, 15]             # of the 18: every path kind, both magnitudes
-SESSION_S = 20                          # thrice, and cyclictest as long in between
-PRIORITY = 80                           # tissue-haptic's own
-SAME_FORCE = 1e-6                       # relative; programs that answer otherwise do not solve the same problem
+SETS = [0, 3, 6, 9, 12, 15]             # 6 of the 18: every kind of path, both magnitudes
+SESSION_S = 20                          # [s] of each of three sessions, and of cyclictest after each
+PRIORITY = 80                           # real-time priority of tissue-haptic
+SAME_FORCE = 1e-6                       # relative; a peer whose force differs by more does not solve the same problem
 
 
 # ---- entries
 
 def quantile(samples, q):
-    """Linear between order statistics."""
+    """Quantile of the samples by linear interpolation between order statistics."""
     s = sorted(samples)
     at = q * (len(s) - 1)
     low = math.floor(at)
@@ -81,16 +82,16 @@ def table(entries):
                         for k, (w, n) in enumerate(zip(row, widths))).rstrip())
 
 
-# ---- running things
+# ---- running programs
 
 def environment():
-    """Ours without what `make bench` hands down: the makes started here are not parts of it."""
+    """The environment without the variables of `make bench`: makes started here must not be its sub-makes."""
     env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES")}
     return {**env, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "LC_ALL": "C"}
 
 
 def run(command, **options):
-    """stdout; raises RuntimeError with the last words of stderr."""
+    """The program's stdout. Raises RuntimeError with the last line of stderr."""
     done = subprocess.run([str(w) for w in command], cwd=ROOT, env=environment(), text=True, capture_output=True,
                           **options)
     if done.returncode != 0:
@@ -100,7 +101,7 @@ def run(command, **options):
 
 
 def timed(command):
-    """stdout, wall seconds, processor seconds of it and of all it started."""
+    """stdout, wall seconds, and processor seconds of the program and its children."""
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     out = run(command)
     wall, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -108,12 +109,12 @@ def timed(command):
 
 
 class Peer:
-    """A Python program in build/venv. After its first failure, which is said once, it is not asked again."""
+    """A Python program in build/venv. Its first failure is reported; after that it is not run again."""
 
     def __init__(self, name):
         self.name, self.version, self.there = name, None, VENV.exists()
         if not self.there:
-            note(f"no {name}: build/venv is not there, so nothing to compare with")
+            note(f"no {name}: build/venv does not exist, so there is no comparison")
 
     def ask(self, script, *arguments):
         """(what it printed as JSON, wall seconds, processor seconds), or None."""
@@ -139,7 +140,7 @@ def contact_forces(csv):
 
 
 def worst_difference(ours, theirs):
-    """Of two paths' contact forces, relative; infinite when they do not have the same records."""
+    """Largest relative difference of two paths' contact forces; infinite if they do not have the same records."""
     if len(ours) != len(theirs):
         return math.inf
     return max(math.dist(a[1:], b[1:]) / math.hypot(*b[1:]) if abs(a[0] - b[0]) < 1e-9 else math.inf
@@ -147,7 +148,8 @@ def worst_difference(ours, theirs):
 
 
 def against_felupe(name, felupe, plan, folder, paths, processes, ours, rounds):
-    """Entries of wall and processor time: ours() gives (wall, cpu), felupe on the same paths, in turns."""
+    """Entries of wall and processor time. ours() runs our program and returns (wall, cpu); felupe runs the same paths,
+    alternately."""
     mine, its, same = [], [], True
     for _ in range(rounds):
         mine.append(ours())
@@ -167,7 +169,7 @@ def against_felupe(name, felupe, plan, folder, paths, processes, ours, rounds):
 
 
 def bench_finite_elements(make, felupe):
-    """The paper's nine load paths, then one on a mesh with 16 times the elements. felupe solves the same discrete
+    """The paper's nine load paths, then one on a mesh with 16 times as many elements. felupe solves the same discrete
     problem: same mesh file, P2 plane stress, 7 quadrature points, records and tolerance."""
     folder = f"{WORK}/paper"
     make = [make, "--no-print-directory", "-j2", "STUDY=paper", f"R={folder}"]
@@ -185,7 +187,7 @@ def bench_finite_elements(make, felupe):
     entries = against_felupe(f"FE paper, {len(paths)} paths, P2 plane stress, point, make -j2", felupe,
                              f"{folder}/plan.mk", folder, paths, 2, nine, FE_ROUNDS)
 
-    # one of them on 40 x 40 cells, 13,122 unknowns; and next to nothing of it, which is what starting costs
+    # One of the paths on 40 x 40 cells, 13,122 unknowns; then one short record, for the start-up cost.
     fine = f"{WORK}/fine"
     (ROOT / fine / "plan").mkdir(parents=True, exist_ok=True)
     line = lines["left"].replace("$(R)", fine)
@@ -254,7 +256,8 @@ def train_alone(tissuectl, study, cases, out):
 
 
 def bench_whole_study(make, tissuectl, train_program, study):
-    """From an empty folder to figures and report; then its training by itself, and what that costs as it grows."""
+    """The whole study from an empty folder to figures and report; then its training alone, and how the cost of training
+    grows."""
     folder, file = f"{WORK}/{study}", f"fem/studies/{study}.toml"
     shutil.rmtree(ROOT / folder, ignore_errors=True)
     wall = timed([make, "--no-print-directory", "-j2", "all", f"STUDY={study}", f"R={folder}"])[1]
@@ -263,21 +266,22 @@ def bench_whole_study(make, tissuectl, train_program, study):
     seconds, megabytes = train_alone(tissuectl, file, cases, f"{folder}/again.h5")
     entries += [entry(f"{study}: its training, one process, wall", "s", [seconds]),
                 entry(f"{study}: its training, one process, peak memory", "MB", [megabytes])]
-    sets = {"surface": "surface-sets"}.get(study, study)  # a law has no sets: theirs, on the same contacts
+    # An energy model has no spring sets; those of surface-sets, at the same contacts, are timed in its place.
+    sets = {"surface": "surface-sets"}.get(study, study)
     return entries + printed_entries([train_program, "scaling", f"fem/studies/{sets}.toml", cases])
 
 
 # ---- the 1 kHz loop on this machine
 
 def cyclictest(seconds):
-    """Largest lateness [us] of a thread that does nothing else, or None and a word why not."""
+    """Largest lateness [us] of a thread without work. None if there is no cyclictest; the cause is printed."""
     command = ["cyclictest", "-q", "-m", "-p", str(PRIORITY), "-i", "1000", "-t", "1", "-D", str(seconds),
-               "--laptop"]             # and leaves the processor's sleep states alone, as we do
+               "--laptop"]             # keeps the processor's sleep states, as tissue-haptic does
     try:
         out = run(command)
         return float(re.search(r"Max:\s*(\d+)", out).group(1))
     except (OSError, RuntimeError, AttributeError) as error:
-        note(f"no cyclictest: {str(error).strip() or 'it said nothing that we know'}")
+        note(f"no cyclictest: {str(error).strip() or 'it printed no known result'}")
         return None
 
 
@@ -290,7 +294,7 @@ def cyclictest_version():
 
 
 def bench_sessions(program, seconds):
-    """Three sessions, taking turns with cyclictest: same priority, same interval, as long."""
+    """Three sessions, alternating with cyclictest of the same priority, interval and duration."""
     study = "surface" if (ROOT / "results/surface/model.h5").exists() else "paper"
     command = [program, f"results/{study}/model.h5", "--device", "virtual", "--motion", "poke",
                "--json", "--seconds", seconds]
@@ -310,29 +314,29 @@ def bench_sessions(program, seconds):
     def count(key):
         return sum(session[key] for session in ours)
 
-    return [entry(f"{what}, missed ticks", "ticks", [count("misses")]),
-            entry(f"{what}, missed ticks that the program caused", "ticks", [count("misses_program")]),
+    return [entry(f"{what}, overruns", "ticks", [count("misses")]),
+            entry(f"{what}, overruns that the program caused", "ticks", [count("misses_program")]),
             entry(f"{what}, tick p99", "us", [s["tick_us"]["p99"] for s in ours]),
             entry(f"{what}, longest tick", "us", [max(s["tick_us"]["max"] for s in ours)]),
-            entry(f"{what}, lateness p50", "us", [s["lateness_us"]["p50"] for s in ours]),
-            entry(f"{what}, largest lateness of {seconds} s", "us", [s["lateness_us"]["max"] for s in ours],
+            entry(f"{what}, latency p50", "us", [s["lateness_us"]["p50"] for s in ours]),
+            entry(f"{what}, largest latency of {seconds} s", "us", [s["lateness_us"]["max"] for s in ours],
                   "cyclictest", version, machine),
-            entry(f"{what}, largest lateness", "us", [max(s["lateness_us"]["max"] for s in ours)],
+            entry(f"{what}, largest latency", "us", [max(s["lateness_us"]["max"] for s in ours)],
                   "cyclictest", version, [max(machine)] if machine else [])]
 
 
-# ---- whatever else there is
+# ---- all other programs
 
 def printed_entries(command):
-    """Entries that a program prints: finished ones, or with their samples."""
+    """Entries that a program prints: finished ones, or ones with samples."""
     return [entry(**e) if "samples" in e else {**dict.fromkeys(KEYS), **e} for e in json.loads(run(command))]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--make", default="make", help="the make to time FE with")
+    parser.add_argument("--make", default="make", help="make program with which FE is timed")
     parser.add_argument("--quick", action="store_true", help="without training in space and the whole study from clean")
-    parser.add_argument("--study", default="surface", help="which study that is")
+    parser.add_argument("--study", default="surface", help="study that is run from clean")
     parser.add_argument("--session", type=int, default=SESSION_S, metavar="s",
                         help="length of each of the three sessions of tissue-haptic")
     parser.add_argument("programs", nargs="*", metavar="PROGRAM")

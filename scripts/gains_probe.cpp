@@ -1,10 +1,12 @@
-// What `make gains` measures on one study's load cases, for one spring mesh; scripts/gains_study.py asks and draws.
+// Measures one study's load cases for `make gains`, on one spring mesh; scripts/gains_study.py runs it and evaluates
+// the result.
 //   gains_probe --study FILE --cases FILE --topology NAME --law NAME [--seed N] TASK [options]
-//     iterations   how long `spsa` takes from the heuristic to gap <= --gap
-//     gains        what `spsa-2008` leaves of the loss for every --first-step x --perturbation x --budget [E2]
-//     weights      what the optimum for every --near x --far is like: Q is 0.95-0.99 on the (2 near + 1)^2 nodes about
-//                  the contact and far times the paper's 0.8-0.9 on all others
-// Every optimum is certified like any other set: `certificate` says how far it can be from the best. Prints a JSON list.
+//     iterations   iterations of `spsa` from the heuristic to gap <= --gap
+//     gains        loss that `spsa-2008` leaves for every --first-step x --perturbation x --budget [E2]
+//     weights      errors of the optimum for every --near x --far: Q is the study's weight_near (0.95-0.99) on the
+//                  (2 near + 1)^2 nodes about the contact, and far times its weight_far (0.8-0.9) on all others
+// Every optimum has a certificate, as every trained spring set has: `certificate` bounds its gap to the least loss.
+// Prints a JSON list.
 #include <gsl/gsl_rng.h>
 #include <xxhash.h>
 
@@ -50,7 +52,7 @@ struct Stream {
     double uniform(double low, double high) { return low + (high - low) * gsl_rng_uniform(rng.get()); }
 };
 
-/// One load case as a problem of training.
+/// One load case as a training problem.
 struct Problem {
     const Study& study;
     const SpringMesh& mesh;
@@ -72,8 +74,9 @@ struct Problem {
         return loss_of(mesh, law, force_target(load, weight));
     }
 
-    /// The best set and a bound below every other. The exact solver's cost grows with the cube of the springs; above
-    /// 1000 the steps of spsa.h are taken with the exact gradient, until the certificate is good to a twentieth of 2 %.
+    /// The optimum and a lower bound of the loss. The cost of the exact solver grows with the cube of the number of
+    /// springs. Above 1000 springs, conjugate gradients as in spsa.h run with the exact gradient until the gap is below
+    /// 1e-3, a twentieth of 2 %.
     Eigen::VectorXd optimum(const ForceLoss& loss, double& bound) const {
         const Eigen::VectorXd theta = mesh.spring_count() <= 1000 ? solve_bounded_lsq(loss, start, box).theta
                                                                   : conjugate_gradients(loss);
@@ -175,7 +178,7 @@ void weights(const Problem& p, const Options& o, json& out) {
     const ForceLoss paper = p.loss(1, 1, o.seed);
     const NodeField& fe = p.load.record->force;
     const Eigen::VectorXd& push = p.load.path->direction;
-    // the patch is every free node that FE's contact force is lumped to
+    // The patch: every free node that has a part of the FE contact force.
     std::vector<int> patch;
     for (int i = 0; i < p.mesh.node_count(); ++i)
         if (!std::binary_search(p.mesh.fixed.begin(), p.mesh.fixed.end(), i) &&
@@ -191,7 +194,7 @@ void weights(const Problem& p, const Options& o, json& out) {
             double model = 0, truth = 0;
             for (int i : patch)
                 for (int axis : {0, 1}) model += f[2 * i + axis] * push[axis], truth += fe(i, axis) * push[axis];
-            const ContactTruth held{contact, p.load.record->magnitude_m * push, p.load.record->contact_force_N};
+            const ContactReference held{contact, p.load.record->magnitude_m * push, p.load.record->contact_force_N};
             const std::optional<double> felt = error_of(answer_of(p.mesh, p.law, theta, held), held, p.mesh).force;
             json j = p.head();
             j["near"] = near, j["far"] = far, j["patch_nodes"] = patch.size();
@@ -207,14 +210,14 @@ void weights(const Problem& p, const Options& o, json& out) {
 
 int main(int argc, char** argv) {
     Options o;
-    CLI::App app("What make gains measures on one study's load cases.");
+    CLI::App app("Measurements of make gains on one study's load cases.");
     app.add_option("--study", o.study)->required();
     app.add_option("--cases", o.cases)->required();
     app.add_option("--topology", o.topology)->required();
     app.add_option("--law", o.law)->required();
     app.add_option("--seed", o.seed);
     app.add_option("--threads", o.threads);
-    app.add_option("--magnitude", o.magnitudes, "of the study's [m]; all without it");
+    app.add_option("--magnitude", o.magnitudes, "magnitudes of the study to use [m]; default: all");
     app.require_subcommand(1);
     void (*task)(const Problem&, const Options&, json&) = nullptr;
     CLI::App* sub = app.add_subcommand("iterations")->parse_complete_callback([&] { task = iterations; });

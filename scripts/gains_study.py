@@ -1,8 +1,8 @@
 """Measures how gains, iterations and Q should follow mesh size and displacement: gains_study.py PROBE OUT.
 
-The paper leaves such a formula to future work (Sec. 5). Needs results/lattice-{6,11,21,41}/cases.h5; what PROBE
-(scripts/gains_probe.cpp) measures is kept in results/gains/ and measured again when a study's cases, the probe or the
-question change. Writes OUT.md and OUT.png. Each constant is fitted without one lattice and tried on that one.
+The paper leaves such a formula to future work (Sec. 5). Needs results/lattice-{6,11,21,41}/cases.h5. Measurements of
+PROBE (scripts/gains_probe.cpp) are kept in results/gains/. They are repeated when a study's cases, the probe or the
+options change. Writes OUT.md and OUT.png. Each constant is fitted without one lattice and evaluated on that lattice.
 """
 import json
 import os
@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent / "figures")]
-import needs  # noqa: E402, F401, I001  (before what may be missing)
+import needs  # noqa: E402, F401, I001  (before packages that may be missing)
 from gains.draw import draw  # noqa: E402
 from gains.page import page  # noqa: E402
 from gains.questions import MESHES, questions  # noqa: E402

@@ -1,9 +1,10 @@
-"""Writes a CSV of the tool in time as a robot with a force sensor might have measured it, out of FE results, with seeded noise.
+"""Writes a CSV of synthetic measurements along displacement histories, from FE results with seeded noise.
 
     scripts/make_histories.py results/relax/cases.h5 fem/data/block_histories.csv
 
-Of study `relax`: two ramps and a random poke to fit shares to, the next four of each kind that lasts to prove with, but for those whose contacts
-are within 2 mm of one fitted to, 50 readings a second. Noise: Gaussian, on each component of force 2 % of the history's largest.
+From study `relax`: two ramps and one random indentation to fit the Prony series to, and the next four of each kind
+`ramp`, `release`, `sine` and `poke` as the test set, without those whose contacts are within 2 mm of a fitted one. 50
+samples a second. Noise: Gaussian, on each component of force 2 % of the largest force of the history.
 """
 import sys
 from pathlib import Path
@@ -20,7 +21,7 @@ TRAIN, HELD_OUT = {"ramp": 2, "poke": 1}, {"ramp": 4, "release": 4, "sine": 4, "
 
 
 def chosen(names, kinds, lost, counts):
-    """The first of each kind that FE has not lost."""
+    """Indices of the first `counts` histories of each kind that have an FE reference."""
     of_kind = {kind: [i for i in range(len(names)) if str(kinds[i]) == kind and not lost[i]] for kind in counts}
     return [i for kind, count in counts.items() for i in of_kind[kind][:count]]
 
@@ -51,7 +52,7 @@ def main():
             noise = NOISE * np.linalg.norm(force, axis=1).max()
             read = np.array([[np.interp(s, t, force[:, a]) for a in (0, 1)] for s in at])
             if count >= TRAIN.get(kind, 0) and min(np.hypot(*(1e3 * h["contact_place"][i] - c)) for c in fitted) < APART_MM:
-                rng.standard_normal(2 * len(at))  # the noise of all others stays what it is
+                rng.standard_normal(2 * len(at))  # keeps the noise of all other histories unchanged
                 near.append(str(name))
                 continue
             if count >= TRAIN.get(kind, 0):
@@ -63,8 +64,8 @@ def main():
                 role = "train" if count < TRAIN.get(kind, 0) else "held_out"
                 lines.append(f"{name},{kind},{s:.2f},{x:.3f},{y:.3f},{u[0]:.4f},{u[1]:.4f},{f[0]:.1f},{f[1]:.1f},{role}")
     if near:
-        print(f"left out, within {APART_MM} mm of what shares are fitted to: {', '.join(near)}")
-    print(f"noise alone, rms over time over the force's, of held-out histories: median {100 * np.median(alone):.1f} %, largest {100 * max(alone):.1f} %")
+        print(f"left out, within {APART_MM} mm of the training histories: {', '.join(near)}")
+    print(f"noise alone, rms over time over the force's, of the test histories: median {100 * np.median(alone):.1f} %, largest {100 * max(alone):.1f} %")
     with written(sys.argv[2]) as beside:
         Path(beside).write_text("\n".join(lines) + "\n")
 

@@ -1,10 +1,11 @@
-"""Writes a CSV of contact forces as an instrument might have measured them, out of FE results, with seeded noise.
+"""Writes a CSV of synthetic measurements of contact force, from FE results with seeded noise.
 
     scripts/make_measured.py results/surface-measured/cases.h5 fem/data/block_measured.csv
 
-Trained on: presses every 5 mm along the surface, 40 degrees to either side of the normal and along it, 2.5, 5 and 10 mm
-deep. To choose and to prove with: the study's drawn contacts (any place, angle and depth) that keep 2 mm from those.
-Every press three times. Noise: Gaussian, on each component of force 2 % of the force, of displacement 0.05 mm.
+Training set: contacts every 5 mm along the surface, at -40, 0 and 40 degrees to the inward normal, 2.5, 5 and 10 mm
+deep. Validation and test sets: the study's drawn contacts at other places that keep 2 mm from the training contacts, up
+to 40 degrees and 10 mm. Every measurement is repeated three times. Noise: Gaussian, on each component of force 2 % of
+the force, of displacement 0.05 mm.
 """
 import sys
 from pathlib import Path
@@ -22,7 +23,7 @@ WIDTH_M = HEIGHT_M = 0.1
 
 
 def arc_of(contact):
-    """Along the surface from the bottom right corner, counter-clockwise, and the inward normals there."""
+    """Arc length along the surface, counter-clockwise from the bottom right corner, and the inward normals there."""
     x, y = contact
     tiny, normals = 1e-9, []
     if abs(x - WIDTH_M) < tiny:
@@ -42,7 +43,7 @@ def angles(direction, normals):
 
 
 def presses(cases):
-    """(role, contact, displacement, force) of each, without noise."""
+    """(role, contact, displacement, force) of each measurement, without noise."""
     for name in cases["path_names"].asstr():
         path = cases["paths"][name]
         role, lost = path["role"].asstr()[:]
@@ -59,7 +60,7 @@ def presses(cases):
                 and deepest <= DEEPEST_M and min(map(abs, off_normal)) <= max(ANGLES_DEG) else ()
         for depth in depths:
             record = np.flatnonzero(np.abs(path["magnitude"][:] - depth) < 1e-9)
-            if len(record):  # FE may have lost the path before
+            if len(record):  # the FE path may have ended before this depth
                 yield ROLES[role], contact, direction * depth, path["contact_force"][record[0]]
 
 

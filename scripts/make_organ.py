@@ -1,9 +1,11 @@
-"""Writes the surface of an organ as a segmentation would give it, out of three ellipsoids: two lobes with a valley between them, and a thin rim.
+"""Writes the surface of an organ as from a segmentation, made of three ellipsoids: two lobes with a valley between
+them, and a thin rim.
 
     scripts/make_organ.py fem/lobes3.obj
 
-One closed surface in millimetres, smooth, without named parts; 130 x 100 x 62 mm, 331 ml, its lowest corner at the origin. Its inside is where the smooth
-minimum of the ellipsoids' approximate distances is negative; every ray from CENTRE leaves it once, through one point of the surface.
+One closed smooth surface in millimetres without named parts: 130 x 100 x 62 mm, 331 ml, its lowest corner at the
+origin. Its inside is where the smooth minimum of the ellipsoids' approximate distances is negative. Every ray from
+CENTRE crosses the surface once.
 """
 import itertools
 import sys
@@ -14,22 +16,23 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent / "figures"))
 from save import written  # noqa: E402
 
-ELLIPSOIDS = [((-24, 0, 4), (38, 40, 31)), ((32, -4, 8), (34, 30, 20)), ((8, 26, -2), (46, 34, 10))]  # middle and half axes [mm]
+# centre and half axes [mm]
+ELLIPSOIDS = [((-24, 0, 4), (38, 40, 31)), ((32, -4, 8), (34, 30, 20)), ((8, 26, -2), (46, 34, 10))]
 CENTRE = np.array([4.0, 14.0, 1.0])
 BLEND_MM = 4
-DIVISIONS = 15  # of an icosahedron's edge
+DIVISIONS = 15  # of an edge of the icosahedron
 FARTHEST_MM = 110
 
 
 def outside_mm(points):
-    """Approximate distance outside of the organ [mm] of points (... x 3), negative inside."""
+    """Approximate distance from the organ [mm] of points (... x 3), negative inside."""
     each = np.stack([(np.linalg.norm((points - np.array(middle)) / axes, axis=-1) - 1) * min(axes) for middle, axes in ELLIPSOIDS])
     least = each.min(axis=0)
     return least - BLEND_MM * np.log(np.exp((least - each) / BLEND_MM).sum(axis=0))
 
 
 def sphere(divisions):
-    """Directions (N x 3) and triangles (T x 3), counter-clockwise from outside, of a divided icosahedron."""
+    """Directions (N x 3) and triangles (T x 3), counter-clockwise seen from outside, of a refined icosahedron."""
     golden = (1 + 5 ** 0.5) / 2
     corners = np.array([np.roll([0, s, t * golden], k) for k in range(3) for s in (1, -1) for t in (1, -1)])
     directions, triangles, numbers = [], [], {}
@@ -43,7 +46,7 @@ def sphere(divisions):
         return numbers[key]
 
     for face in itertools.combinations(corners, 3):
-        if max(np.linalg.norm(p - q) for p, q in itertools.combinations(face, 2)) > 2 + 1e-9:  # 2: an edge
+        if max(np.linalg.norm(p - q) for p, q in itertools.combinations(face, 2)) > 2 + 1e-9:  # an edge has length 2
             continue
         a, b, c = face if np.linalg.det(face) > 0 else face[::-1]
         at = lambda i, j: node(a * (divisions - i - j) + b * i + c * j)  # noqa: E731

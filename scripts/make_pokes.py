@@ -1,8 +1,9 @@
-"""Writes pokes as a robot with a force sensor might have made them, out of FE results, with seeded noise.
+"""Writes a CSV of synthetic force measurements, from FE results with seeded noise.
 
     scripts/make_pokes.py results/patient-lump/cases.h5 held_out_full pokes.csv --seed 1
 
-Each contact of that role, as deep as it goes, in an order of the seed's; columns as of measured contacts (results/FORMATS.md).
+One measurement for each contact of the role, at the largest depth of its load path, in an order drawn with the seed.
+Columns as for measured contacts (results/FORMATS.md).
 """
 import argparse
 import sys
@@ -17,7 +18,7 @@ from stored import stored  # noqa: E402
 
 
 def pokes(cases, role):
-    """(contact, displacement, force) of each that FE did not lose."""
+    """(contact, displacement, force) of each contact of the role that has an FE reference."""
     for name in cases["path_names"].asstr():
         path = cases["paths"][name]
         its_role, lost = path["role"].asstr()[:]
@@ -32,7 +33,7 @@ def main():
     parser.add_argument("out")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--noise", type=float, default=0.02, help="standard deviation of a component of force, over the force (default 0.02)")
-    parser.add_argument("--outliers", type=float, default=0, help="part of the pokes whose force is read ten times too large (default 0)")
+    parser.add_argument("--outliers", type=float, default=0, help="part of the measurements whose force is ten times too large (default 0)")
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
     with stored(options.cases) as cases:

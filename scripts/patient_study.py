@@ -1,10 +1,10 @@
-"""How fast a model that learns from pokes becomes a tissue it was not trained on: table and figure of `make patient`.
+"""Adaptation of an energy model to target tissues that it was not trained on: table and figure of `make patient`.
 
     scripts/patient_study.py PROBE OUT PATIENT...
 
-PROBE is scripts/adapt_probe.cpp, built; what TISSUES names must be there. Writes OUT.md and OUT.png, and in the plane
-the rows of README.md and the table of results/RESULTS.md that reference.py makes of OUT.md. Every figure is the median over three
-seeds of order and noise, in space of one seed.
+PROBE is the program of scripts/adapt_probe.cpp; the files that TISSUES names must exist. Writes OUT.md and OUT.png. In
+the plane also the row of README.md and the table of results/RESULTS.md that reference.py makes of OUT.md. Every number
+is the median over three seeds of order and noise; in space one seed is run.
 """
 import json
 import subprocess
@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parent / "figures")]
-import needs  # noqa: F401, I001  (before what may be missing)
+import needs  # noqa: F401, I001  (before packages that may be missing)
 import matplotlib
 
 matplotlib.use("Agg")
@@ -32,25 +32,26 @@ def plane(name):
 
 
 SPACE = ["--model", "results/block3-quick/model.h5", "--most", "40"]
-# name: what it is, and what the probe is given
+# target tissue: its description, and the arguments of the probe
 TISSUES = {
     "stiff": ("x 1.5", plane("stiff")),
     "soft": ("x 0.6", plane("soft")),
-    "ogden": ("another law", plane("ogden")),
-    "lump": ("a lump", plane("lump")),
-    "layers": ("layers, a lump", plane("layers")),
+    "ogden": ("another material law", plane("ogden")),
+    "lump": ("an inclusion", plane("lump")),
+    "layers": ("layers, an inclusion", plane("layers")),
     "stiff3": ("in space, x 1.5", [*SPACE, "--cases", "results/block3-quick/cases.h5", "--pokes", "held_out_near", "--factor", "1.5"]),
     "nodule3": ("in space, a nodule", [*SPACE, "--cases", "results/nodule3/cases.h5", "--pokes", "validation"]),
 }
-IN_SPACE = ("field", "field alone", "one scale")  # to choose the next place takes half a minute there
-# name: options of the probe, colour of its line
+# without "chosen places": to choose the next place takes half a minute in space
+IN_SPACE = ("field", "field alone", "one scale")
+# method: options of the probe, colour of its line
 WAYS = {
-    "field, told where": (["--method", "field", "--told"], "#0072b2"),
+    "field, chosen places": (["--method", "field", "--told"], "#0072b2"),
     "field": (["--method", "field"], "#56b4e9"),
     "field alone": (["--method", "field", "--alone"], None),
-    "all pokes at once": (["--method", "refit"], "0.6"),
+    "all measurements at once": (["--method", "refit"], "0.6"),
     "elements alone": (["--method", "elements", "--alone"], None),
-    "the law's terms": (["--method", "terms"], "#009e73"),
+    "terms of the energy model": (["--method", "terms"], "#009e73"),
     "one scale": (["--method", "scale"], "#e69f00"),
     "gradient": (["--method", "gradient"], "#cc79a7"),
     "SPSA": (["--method", "spsa"], "#d55e00"),
@@ -60,7 +61,7 @@ WAYS = {
 
 
 class Failed(Exception):
-    """A probe that ended with an error: the line that says so."""
+    """A probe that ended with an error, with its message."""
 
 
 def seeds_of(patient):
@@ -68,10 +69,10 @@ def seeds_of(patient):
 
 
 def measure(probe, patients):
-    """patient -> way -> what the probe said, one a seed."""
+    """target tissue -> method -> output of the probe, one for each seed."""
     def one(patient, options, seed):
         command = [probe, *TISSUES[patient][1], "--seed", str(seed), *options]
-        done = subprocess.run(command, stdout=subprocess.PIPE, text=True)  # what it complains of is seen
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True)  # its stderr is shown
         if done.returncode != 0:
             raise Failed(f"patient_study.py: {' '.join(command)}: exit status {done.returncode}")
         return json.loads(done.stdout)
@@ -91,9 +92,10 @@ def measure(probe, patients):
 
 
 def at(runs, pokes, key):
-    """The median over seeds after so many pokes; the last where there were fewer in all."""
+    """Median over seeds after this number of measurements, or after the last one if there were fewer."""
     rows = [max((c for c in run["curve"] if c["pokes"] <= pokes), key=lambda c: c["pokes"]) for run in runs]
-    return float(np.median([np.inf if row[key] is None else row[key] for row in rows]))  # null: infinite, an answer is missing
+    # null is infinite: an answer is missing
+    return float(np.median([np.inf if row[key] is None else row[key] for row in rows]))
 
 
 def per_cent(value):
@@ -101,7 +103,7 @@ def per_cent(value):
 
 
 def fewest(ways):
-    """How many of its held-out contacts the models of a patient answer, the fewest of all."""
+    """"n of N" answers on the test set, for the model of this target tissue with the fewest."""
     worst = min((c for runs in ways.values() for run in runs for c in run["curve"]), key=lambda c: c["n"] / c["of"])
     return f"{worst['n']} of {worst['of']}"
 
@@ -110,21 +112,21 @@ def table(measured):
     held_out = next(iter(next(iter(measured.values())).values()))[0]["curve"][0]["of"]
     space = all(patient.endswith("3") for patient in measured)
     shown = [n for n in SHOWN if not space or n <= 40]
-    what = ("Written by `make patient3`. The law of `block3-quick`; FE of `block3-quick` with all forces times 1.5, and of `nodule3`," if space else
-            "Written by `make patient`. The law of `surface-quick`; FE of the studies `patient-NAME`, pokes 3 to 10 mm deep, up to 30 degrees off")
-    where = "pokes all over the top," if space else "the normal, anywhere on the surface,"
-    lines = ["# A patient who is not the tissue that was trained on" + (", in space" if space else ""), "", what,
-             f"{where} read with 2 % of noise on each component of force. |model - FE| / |FE| of the contact force",
-             f"on {held_out} or so held-out contacts of the same tissue, median / p95 in per cent, after so many pokes; " + ("of one seed of" if space else f"medians over {len(SEEDS)} seeds of"),
-             "order and noise. Field: beside one scale, the likelier of the two plays; alone: without." +
-             ("" if space else " All pokes at once: the optimum that the field alone goes towards, by the same prior."), ""]
+    what = ("Written by `make patient3`. The energy model of `block3-quick`; FE of `block3-quick` with all forces times 1.5, and of `nodule3`," if space else
+            "Written by `make patient`. The energy model of `surface-quick`; FE of the studies `patient-NAME`, indentations of 3 to 10 mm, up to 30 degrees off")
+    where = "all over the top," if space else "the normal, anywhere on the surface,"
+    lines = ["# Adaptation to target tissues that the model was not trained on" + (", in space" if space else ""), "", what,
+             f"{where} with 2 % of noise on each component of force. |model - FE| / |FE| of the contact force",
+             f"on about {held_out} test contacts of the same tissue, median / p95 in per cent, after so many measurements; " + ("of one seed of" if space else f"medians over {len(SEEDS)} seeds of"),
+             "order and noise. Field: compared with one scale, the more probable of the two is used; alone: without one scale." +
+             ("" if space else " All measurements at once: the optimum to which the field alone converges, with the same prior."), ""]
     for patient, ways in measured.items():
-        lines += [f"## {patient}: {TISSUES[patient][0]}", "", f"Answered at {fewest(ways)} held-out contacts or more in every cell; one without an answer is infinite.", "", "| | " + " | ".join(map(str, shown)) + " |", "|---|" + "---|" * len(shown)]
+        lines += [f"## {patient}: {TISSUES[patient][0]}", "", f"Answered at {fewest(ways)} test contacts or more in every cell; a missing answer is an infinite error.", "", "| | " + " | ".join(map(str, shown)) + " |", "|---|" + "---|" * len(shown)]
         for way, runs in ways.items():
             lines.append(f"| {way} | " + " | ".join(f"{per_cent(at(runs, n, 'median'))} / {per_cent(at(runs, n, 'p95'))}" for n in shown) + " |")
         lines.append("")
-    told = "field" if space else "field, told where"
-    lines += ["## How sure it is", "", f"Held-out forces inside the region that the filter says holds 68 % and 95 % of them, in per cent, {told}.", "",
+    told = "field" if space else "field, chosen places"
+    lines += ["## Posterior standard deviation", "", f"Test forces inside the region that the filter predicts for 68 % and 95 % of them, in per cent, {told}.", "",
               "| | " + " | ".join(map(str, shown)) + " |", "|---|" + "---|" * len(shown)]
     for patient, ways in measured.items():
         runs = ways[told]
@@ -145,14 +147,14 @@ def figure(measured):
             if colour is None or way not in ways:
                 continue
             axis.plot(range(len(shown)), [100 * at(ways[way], n, "median") for n in shown], color=colour, label=way,
-                      linewidth=2.4 if way == "field, told where" else 1.3, linestyle=":" if way == "all pokes at once" else "-")
+                      linewidth=2.4 if way == "field, chosen places" else 1.3, linestyle=":" if way == "all measurements at once" else "-")
         axis.set_xticks(range(len(shown)), shown)
         axis.set_yscale("log")
         axis.set_yticks([1, 2, 5, 10, 20, 50], [1, 2, 5, 10, 20, 50])
         axis.minorticks_off()
         axis.set_title(f"{patient}: {TISSUES[patient][0]}", fontsize=9)
-        axis.set_xlabel("pokes")
-    axes[0, 0].set_ylabel("median error of held-out force (%)")
+        axis.set_xlabel("measurements")
+    axes[0, 0].set_ylabel("median error of the test forces (%)")
     axes[0, -1].legend(frameon=False, fontsize=7)
     return fig
 
@@ -163,7 +165,7 @@ def main():
     probe, out, patients = sys.argv[1], sys.argv[2], sys.argv[3:]
     unknown = [patient for patient in patients if patient not in TISSUES]
     if unknown:
-        sys.exit(f"patient_study.py: {unknown[0]}: is no patient; there are {', '.join(TISSUES)}")
+        sys.exit(f"patient_study.py: {unknown[0]}: is not a target tissue; there are {', '.join(TISSUES)}")
     measured = measure(probe, patients)
     with written(f"{out}.md") as beside:
         Path(beside).write_text(table(measured))

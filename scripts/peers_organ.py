@@ -1,9 +1,11 @@
 """Compares a study's model with other programs on the same solid, in one run: peers_organ.py STUDY OUT.md
 
-The law, Van Gelder's springs and springs of one stiffness on its lattice (as `tissuectl eval` has them), and tetrahedra of the mesh that the study's shape
-was filled with: neo-Hookean by felupe, Saint Venant-Kirchhoff by MuJoCo. Forces of tetrahedra are reported unscaled, and scaled by one factor that is
-fitted to the first validation contacts. Needs results/STUDY, finished, build/release/python and build/venv (scripts/venv); a peer that is not there is
-left out, and the page says so. A study with an elastic bed, a nodule or regions is refused: the peers get one material, and held nodes that do not move."""
+Models: the energy model; on its lattice Van Gelder's springs and springs of one stiffness (as `tissuectl eval` has
+them); on the tetrahedra that fill the study's shape neo-Hookean elements by felupe and Saint Venant-Kirchhoff elements
+by MuJoCo. Forces of the tetrahedra are reported unscaled, and scaled by one factor that is fitted to the first
+validation contacts. Needs results/STUDY with its evaluation, build/release/python and build/venv (scripts/venv). A
+missing peer is left out, and the page names it. A study with an elastic bed, a nodule or regions is refused: the peers
+get one material, and fixed nodes."""
 import sys
 import time
 from pathlib import Path
@@ -17,11 +19,11 @@ from results import EVALUATION  # noqa: E402
 from save import save, written  # noqa: E402
 from stored import stored  # noqa: E402
 
-FITTED = 6  # validation contacts that a peer's factor is fitted to
+FITTED = 6  # number of validation contacts that a peer's factor is fitted to
 
 
 class Organ:
-    """The solid that peers get: its own nodes, tetrahedra, facets and held nodes; and contacts with finite elements' answers."""
+    """The solid for the peers: its own nodes, tetrahedra, facets, fixed nodes; and contacts with their FE reference."""
 
     def __init__(self, folder):
         for file in ("model.h5", "cases.h5", "eval.json", "plan.mk"):
@@ -30,10 +32,10 @@ class Organ:
         plan = Path(folder, "plan.mk").read_text()
         for argument, what in (("-beds", "an elastic bed"), ("-nodule_radius", "a nodule"), ("-regions", "regions")):
             if f" {argument} " in plan:
-                sys.exit(f"peers_organ.py: {folder}: has {what}, and the peers get one material on a bed that does not move")
+                sys.exit(f"peers_organ.py: {folder}: has {what}, and the other programs get one material and fixed nodes")
         with stored(f"{folder}/cases.h5") as f:
             if "shape/tetrahedra" not in f:
-                sys.exit(f"peers_organ.py: {folder}/cases.h5 is of no solid shape")
+                sys.exit(f"peers_organ.py: {folder}/cases.h5 has no solid shape")
         with stored(f"{folder}/model.h5") as f:
             own = len(f["mesh/lattice/corner"])
             self.nodes, self.tetrahedra, self.facets = f["mesh/nodes"][:own], f["mesh/tetrahedra"][()], f["mesh/facets"][()]
@@ -41,7 +43,7 @@ class Organ:
         self.seen = np.setdiff1d(self.facets, self.held)
         self.free = self.facets[~np.isin(self.facets, self.held).all(axis=1)]
         across = np.cross(*(self.nodes[self.free[:, k]] - self.nodes[self.free[:, 0]] for k in (1, 2)))
-        self.normals = np.zeros_like(self.nodes)  # weighted with areas
+        self.normals = np.zeros_like(self.nodes)  # area-weighted
         for k in range(3):
             np.add.at(self.normals, self.free[:, k], across)
         paths = tissue.read_cases(f"{folder}/cases.h5")
@@ -49,17 +51,18 @@ class Organ:
         self.paths = [p for p in paths if not p["lost"]]
         for role in ("validation", "held_out"):
             if not any(p["role"] == role for p in self.paths):
-                sys.exit(f"peers_organ.py: {folder}: finite elements solved no contact of draws.{role}")
+                sys.exit(f"peers_organ.py: {folder}: no contact of draws.{role} has an FE reference")
 
     def of(self, role):
-        """Contacts, pushes, unit vectors out of the tissue, FE's forces, FE's displacements of the nodes that are seen."""
+        """Contacts, displacements of the tool, outward unit normals, FE forces, and FE displacements of the free
+        surface nodes."""
         paths = [p for p in self.paths if p["role"] == role]
         contacts = np.array([p["contact_m"] for p in paths])
         return (contacts, np.array([p["direction"] * p["magnitude_m"][-1] for p in paths]), np.array([self.outward(c) for c in contacts]),
                 np.array([p["force_N"][-1] for p in paths]), np.array([p["displacement_m"][-1][self.seen] for p in paths]))
 
     def outward(self, contact):
-        """Of the nearest free facet's nodes, by how near each is."""
+        """Outward unit normal at a contact: of the nodes of the nearest free facet, by barycentric weights."""
         a, b, c = (self.nodes[self.free[:, k]] for k in range(3))
         across = np.cross(b - a, c - a)
         weight = np.stack([np.einsum("ij,ij->i", np.cross(q - contact, r - contact), across) for q, r in ((b, c), (c, a), (a, b))], axis=1)
@@ -70,7 +73,7 @@ class Organ:
         return normal / np.linalg.norm(normal)
 
     def under_disc(self, contact, outward, radius):
-        """How many surface nodes the felupe peer presses."""
+        """Number of surface nodes under the disc, which the felupe peer prescribes."""
         away = np.linalg.norm(self.nodes[self.seen] - contact, axis=1)[self.normals[self.seen] @ outward > 0]
         return max(1, int((away <= radius).sum()))
 
@@ -82,13 +85,13 @@ class Organ:
 
 
 def factor(answers, truth):
-    """What answers are multiplied with so that their errors relative to the truth are least in the mean square."""
+    """Factor that minimises the mean square error of the answers relative to the FE reference."""
     there = [(np.array(a) / np.linalg.norm(t), t / np.linalg.norm(t)) for a, t in zip(answers, truth) if a is not None and np.isfinite(a).all()]
     return sum(a @ t for a, t in there) / sum(a @ a for a, t in there) if there else np.nan
 
 
 def ours(model, organ):
-    """Rows of the law: a tick, a press."""
+    """Rows of the energy model: a tick, and an indentation to rest."""
     contacts, pushes, outward, force, shape = organ.of("held_out")
     ticks, in_motion = ticks_of(model, contacts, pushes, outward)
     presses, seconds = [], []
@@ -97,12 +100,12 @@ def ours(model, organ):
         presses.append(model.press([c], [p], threads=1))
         seconds.append(1e6 * (time.perf_counter() - begin))
     shapes = off([u[0][organ.seen] for _, u, _ in presses], shape)
-    return [(f"**a tick of the law**; its force after {SECONDS} s, which is not all at rest", f"tissuectl {tissue.__version__}", ticks, off(in_motion, force), None, None),
-            ("**a press of the law, to rest**", f"tissuectl {tissue.__version__}", seconds, off([f[0] for f, _, _ in presses], force), None, shapes)]
+    return [(f"**a tick of the energy model**; its force after {SECONDS} s, not completely at rest", f"tissuectl {tissue.__version__}", ticks, off(in_motion, force), None, None),
+            ("**an indentation of the energy model, to rest**", f"tissuectl {tissue.__version__}", seconds, off([f[0] for f, _, _ in presses], force), None, shapes)]
 
 
 def peer(name, script, time_key, model, organ):
-    """A peer's row; None where it is not there."""
+    """A peer's row; None if the peer is missing."""
     fitted, answer = ask(script, organ.question(model, "validation", FITTED)), ask(script, organ.question(model, "held_out"))
     if not fitted or not answer:
         return None
@@ -114,8 +117,8 @@ def peer(name, script, time_key, model, organ):
 
 
 def baselines(evaluation):
-    """Rows of the models that `tissuectl eval` compares the law with: force and shape in per cent."""
-    named = {"untrained": "our law, untrained", "heuristic_a_patch": "Van Gelder's springs on our lattice", "uniform_patch": "springs of one stiffness, best at the trained contacts"}
+    """Rows of the baselines of `tissuectl eval`: errors of force and displacement in per cent."""
+    named = {"untrained": "our energy model, untrained", "heuristic_a_patch": "Van Gelder's springs on our lattice", "uniform_patch": "springs of one stiffness, best at the training contacts"}
     held_out = evaluation["drawn"]["held_out"]
     percent = lambda value: np.inf if value is None else 100 * value  # noqa: E731
     return [(words, f"tissuectl {tissue.__version__}", None, np.array([percent(c["error"][key]) for c in held_out]), None,
@@ -128,7 +131,7 @@ def draw(rows, study, out):
     import matplotlib.pyplot as plt
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 5), layout="constrained", sharey=True)
     for name, _, _, force, scaled, shape in rows:
-        if shape is None:  # in motion
+        if shape is None:  # a tick has no displacement at rest
             continue
         label, wide = name.replace("*", ""), 2.6 if name.startswith("**") else 1.4
         for axis, errors, line in ((left, force, "-"), (left, scaled[1] if scaled else None, "--"), (right, shape, "-")):
@@ -137,15 +140,15 @@ def draw(rows, study, out):
             x = np.sort(errors)
             axis.step(np.clip(x, 0.5, 1e3), np.arange(1, len(x) + 1) / len(x), line, where="post", linewidth=wide, label=label if line == "-" else f"{label}, times {scaled[0]:.2f}",
                       color=None if line == "-" else axis.lines[-1].get_color())
-    for axis, what in ((left, "force"), (right, "shape of the free surface")):
+    for axis, what in ((left, "force"), (right, "displacement of the free surface")):
         axis.set_xscale("log")
         axis.set_xlim(0.5, 200)
         axis.set_xlabel(f"error of {what} (%)")
         axis.grid(alpha=0.3)
-    left.set_ylabel("share of held-out contacts below")
+    left.set_ylabel("part of the test contacts below")
     figure.legend(*left.get_legend_handles_labels(), frameon=False, fontsize=8, ncols=2, loc="lower center")
-    figure.get_layout_engine().set(rect=(0, 0.2, 1, 0.8))  # room for the legend
-    figure.suptitle(f"{study}: held-out contacts")
+    figure.get_layout_engine().set(rect=(0, 0.2, 1, 0.8))  # space for the legend
+    figure.suptitle(f"{study}: test contacts")
     save(figure, out)
 
 
@@ -166,19 +169,19 @@ def main():
     under = [organ.under_disc(c, n, model.disc_radius_m) for c, n in zip(contacts, outward)]
     text = f"""# `{study}` compared with other models
 
-Written by `make peers STUDY={study}`. The {len(contacts)} held-out contacts that finite elements solved ({organ.lost} lost), the same pushes, in one run, so that ratios of times mean something and microseconds little. Errors in per cent of finite
+Written by `make peers STUDY={study}`. The {len(contacts)} test contacts with an FE reference ({organ.lost} have none), the same tool displacements, in one run, so that ratios of times are comparable and microseconds less so. Errors in per cent of finite
 elements' force and of the free surface's displacement: median / p95 (n of N). Ours is a lattice of {len(model.nodes) - len(organ.nodes)} nodes, trained in {training["seconds"]:.0f} s on {training["paths"]} paths of finite
 elements; tetrahedra are the {len(organ.tetrahedra)} that the shape was filled with, of {len(organ.nodes)} nodes, and need no training: Young's modulus as ours, Poisson's ratio 0.45, nearer to 1/2 they lock. Their forces are
 given unscaled, and scaled by one factor that is fitted to the first {FITTED} validation contacts.
 
-| | version | us | force, % | force times a factor, % | shape, % |
+| | version | us | force, % | force times a factor, % | displacement, % |
 |---|---|---|---|---|---|
 {table}
 
-![Errors of force and of shape]({out.with_suffix(".png").name})
+![Errors of force and of displacement]({out.with_suffix(".png").name})
 
-felupe presses the surface nodes under the disc, {np.median(under):.0f} in the median and {min(under)} to {max(under)}; MuJoCo all nodes of the facets that a rigid disc touches, which may slip along it (`scripts/peers.md`).
-{"Not there in this run: " + ", ".join(missing) + "." if missing else ""}
+felupe displaces the surface nodes under the disc, {np.median(under):.0f} in the median and {min(under)} to {max(under)}; MuJoCo all nodes of the facets that a rigid disc touches, which may slip along it (`scripts/peers.md`).
+{"Not in this run: " + ", ".join(missing) + "." if missing else ""}
 """
     print(text)
     draw(rows, study, out.with_suffix(".png"))

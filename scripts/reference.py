@@ -1,15 +1,15 @@
 #!/usr/bin/python3
-"""Writes what is committed of the studies' results: reference.py [--check | STUDY...]
+"""Writes the committed part of the studies' results: reference.py [--check | STUDY...]
 
-results/reference/STUDY.json   what a regression compares with (reference_record.py)
-results/reference/*.png        the figures that README and results/RESULTS.md show
-results/RESULTS.md             the tables between its markers, from the evaluations, and from `make ablation STUDY=surface`
+results/reference/STUDY.json   reference record for the regression (reference_record.py)
+results/reference/*.png        figures of README and results/RESULTS.md
+results/RESULTS.md             tables between its markers, from the evaluations, and from `make ablation STUDY=surface`
                                and `STUDY=block3`
-README.md                      its table, from the records in results/reference/ and `make patient`'s patient.md alone
+README.md                      its table, from the records in results/reference/ and from patient.md of `make patient`
 
-Of fewer studies than RESULTS.md is about it writes the tables and figures of those alone; of none, README's table.
---check writes nothing: it says which table is not what the records make of it, and exits with 1. What no record has (wall
-times, the places of a map, ablations) it does not compare.
+With only some studies of RESULTS.md it writes their tables and figures; without a study, only README's table.
+--check writes nothing. It prints each table that differs from the records, and exits with 1 if there is one. It does
+not compare what no record has: wall times, places of a map, ablations.
 """
 import re
 import shutil
@@ -39,7 +39,7 @@ def between(page, marker):
 
 
 def fill(page, marker, rows):
-    """Writes a page with the rows between its markers."""
+    """Replaces the rows between the page's markers."""
     pattern, missing = between(page, marker)
     text = page.read_text()
     if not pattern.search(text):
@@ -49,7 +49,7 @@ def fill(page, marker, rows):
 
 
 def moved(page, marker, rows):
-    """Lines that say which rows of a page's table are not these; a cell UNKNOWN may be anything."""
+    """Messages on the rows of a page's table that differ from `rows`. A cell UNKNOWN matches anything."""
     pattern, missing = between(page, marker)
     found = pattern.search(page.read_text())
     if not found:
@@ -64,8 +64,9 @@ def moved(page, marker, rows):
 
 
 def recorded():
-    """What the committed records say of every study."""
-    return {path.stem: reference_record.read(path)["evaluation"] for path in sorted(REFERENCE.glob("*.json")) if path.stem != "soak"}   # of scripts/soak
+    """The evaluation in each committed record."""
+    # soak.json is of scripts/soak
+    return {path.stem: reference_record.read(path)["evaluation"] for path in sorted(REFERENCE.glob("*.json")) if path.stem != "soak"}
 
 
 def patients(path=REFERENCE / "patient.md"):
@@ -73,7 +74,7 @@ def patients(path=REFERENCE / "patient.md"):
 
 
 def check():
-    """Lines that say which table is not what the records make of it."""
+    """Messages on tables that differ from the records."""
     records = recorded()
     try:
         lines = moved(README, "summary", summary_table(records, patients()))
@@ -88,7 +89,7 @@ def check():
 
 
 def peers_table(path=REFERENCE / "peers.md"):
-    """The rows that make peers has written there."""
+    """The rows of a page of `make peers`."""
     return [line for line in path.read_text().splitlines() if line.startswith("|")]
 
 
@@ -97,7 +98,7 @@ def write_peers(path):
 
 
 def write_patients(path):
-    """What make patient has written there, into both pages."""
+    """Writes the tables from patient.md of `make patient` into both pages."""
     fill(RESULTS, "patient", patient_table(patients(path)))
     fill(README, "summary", summary_table(recorded(), patients(path)))
 

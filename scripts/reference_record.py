@@ -1,13 +1,13 @@
-"""A study's reference record, results/reference/STUDY.json: what is in one, and when two of them say the same.
+"""A study's reference record, results/reference/STUDY.json: its content, and the comparison of two records.
 
-reference.py and regress write and compare records through this file and nothing else. SI units; a name says which
-(_N, _m, _E2); errors and losses are relative. Stage by stage: `paths` (FE), `trained` (spring sets), `evaluation`.
+Only reference.py and regress read and write records, through this file. SI units, stated in names (_N, _m, _E2); errors
+and losses are relative. Stages: `paths` (FE), `trained` (spring sets), `evaluation`.
 
-Rounding differs between types of machine and versions of compiler and libraries, so a record says under which it was
-made. Under the same ones, counts and hashes must be equal. Under others hashes are not compared, and the tolerances
-are some hundred times what moved when the paper study was run with OpenBLAS's kernels for three other processors
-(OPENBLAS_CORETYPE = Nehalem, Sandybridge, SkylakeX; in brackets below). What belongs to one of many minimisers of a loss is
-not compared then (ONE_OF_MANY).
+Rounding differs between types of machine and between versions of compiler and libraries, so a record names those it was
+made with. With the same ones, counts and hashes must be equal. With others, hashes are not compared. The tolerances are
+then about a hundred times the changes of the paper study with OpenBLAS's kernels for three other processors
+(OPENBLAS_CORETYPE = Nehalem, Sandybridge, SkylakeX; in brackets below). Values that belong to one of many minimisers of
+a loss are then not compared (ONE_OF_MANY).
 """
 import ctypes
 import datetime
@@ -35,44 +35,48 @@ EVALUATION = {"study": str, "version": str, "seed": int, "lost": {"*": [str]}, "
 RECORD = {"made": {"date": str}, "machine": {}, "study": str, "unique": bool}
 NOT_COMPARED = {"schema", "made", "machine", "unique"}
 NOT_KEPT = {"study", "version", "format_version", "seed", "seconds", "model_hash", "cases_hash", "trained_errors", "curves", "drawn", "drawn_curves", "drawn_shapes", "places", "each", "pairs",
-            "kkt_residual", "kkt_residual_max"}  # said elsewhere, wall times, bulk, and residuals that are rounding alone
+            "kkt_residual", "kkt_residual_max"}  # recorded elsewhere, wall times, large data, and residuals of rounding
 PACKAGES = ["gmsh", "freefem++", "libfreefem++", "libc6", "libeigen3-dev", "libgsl27", "libhdf5-103-1", "libnlopt0",
             "libopenblas0-pthread", "libstdc++6", "libumfpack5"]
 
 
 class RecordError(Exception):
-    """A record is missing, or cannot be compared with."""
+    """A record is missing or cannot be compared."""
 
 
 class Rule(NamedTuple):
-    pattern: str       # of the key
+    pattern: str       # regular expression for the key
     relative: float    # a number may move by relative * |reference| + absolute
     absolute: float
-    kind: str          # "number", "count" (equal on the same machine), "hash" (of the same machine only)
+    kind: str          # "number", "count" (equal on the same machine), "hash" (compared on the same machine only)
 
 
-# The first that matches. [largest change seen on other kernels]
+# The first rule that matches a key is used. In brackets: largest change with other kernels.
 RULES = [
     Rule(r"theta_hash$", 0, 0, "hash"),
     Rule(r"^paths/.*/newton$", 0.05, 3, "count"),                        # [none]
-    Rule(r"/(iterations|evaluations|restarts|restarted_sets)(/|$)", 0.1, 2, "count"),  # [3 %: when SPSA calls it done]
-    # a fit stops where five millionths of its errors are left to gain: flat directions of a law
+    # [3 %: iteration at which SPSA stops]
+    Rule(r"/(iterations|evaluations|restarts|restarted_sets)(/|$)", 0.1, 2, "count"),
+    # A fit stops when 5e-6 of its errors are left to gain, so parameters vary along flat directions of the loss.
     Rule(r"/training/(terms|starts|objective)(/|$)", 0.02, 0.02, "number"),
     Rule(r"/(contact_force_N|smallest_J|energy_J)(/|$)", 1e-7, 1e-10, "number"),  # [3e-15]; Newton stops at 1e-10
     Rule(r"/gap(/|$)", 1e-5, 1e-4, "number"),                            # [1e-9]; 1e-4 of L_lb, or of 5 % of the force
     Rule(r"/(sets|n|of|missing|no_reference|floppy_sets|force_steps|force_falls)$", 0, 0, "number"),
     Rule(r"/springs/learned", 0.02, 1e-6, "number"),                     # [6e-4]; flat directions of the loss
     Rule(r"/learned[^/]*/(rel_loss)(/|$)", 1e-6, 1e-7, "number"),        # [6e-10]
-    Rule(r"/histories/", 1e-3, 1e-4, "number"),                          # tick after tick, from the first's last bits on
-    Rule(r"/learned|/two_tools/.*/alone", 1e-3, 1e-4, "number"),                             # [1.3e-6]; force and shape errors of sets that iterate
-    # [1e-13]; an equilibrium is found to 1e-10 of its forces, and where a mesh is soft its nodes move the more for that
+    Rule(r"/histories/", 1e-3, 1e-4, "number"),                          # rounding differences grow from tick to tick
+    # [1.3e-6]; errors of force and displacement of sets that are trained iteratively
+    Rule(r"/learned|/two_tools/.*/alone", 1e-3, 1e-4, "number"),
+    # [1e-13]; an equilibrium is accurate to 1e-10 of its forces, which is a larger displacement where a mesh is
+    # compliant
     Rule(r"/(shape|shape_max_over_depth|closed_loop_shape)(/|$)", 1e-4, 1e-5, "number"),
     Rule(r"", 1e-6, 1e-7, "number"),                                     # [4e-11]; exact solutions and heuristics
 ]
 
 
-# Numbers that differ between minimisers of one loss. Compared on the same machine, or where there can be one minimiser alone (is_unique).
-# The learned sets' loss is among it: SPSA stops within 1e-4 of the minimum, at another place of the valley.
+# Values that differ between minimisers of one loss. They are compared on the same machine, or where the minimiser is
+# unique (is_unique). The learned sets' loss is one of them: SPSA stops within 1e-4 of the minimum, at a different point
+# of a flat valley.
 ONE_OF_MANY = re.compile(r"^evaluation/(closed_loop/trained/optimum|springs/optimum|ridge_front/0/(distance_E2|smallest_eigenvalue_E2)$|"
                          r"cases/.*/optimum/closed_loop_|cases/.*/learned/rel_loss)")
 
@@ -91,9 +95,9 @@ def text(value):
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-@functools.cache  # the records that are written change the checkout
+@functools.cache  # fixed for the run, since writing records changes the checkout
 def commit():
-    """The checkout's commit, with + where files differ from it; - where there is no git."""
+    """The checkout's commit, with + if files differ from it; - without git."""
     def git(*words):
         said = subprocess.run(["git", "-C", str(FOLDER.parent.parent), *words], capture_output=True, text=True, check=True)
         return said.stdout.strip()
@@ -103,13 +107,13 @@ def commit():
         return "-"
 
 
-# ---- what is in a record
+# ---- content of a record
 
 def of(results, command):
     """The record of a results folder: reads cases.h5, model.h5 and eval.json."""
     results = Path(results)
     evaluation = read_json(results / "eval.json", EVALUATION)
-    evaluation.get("lost", {}).pop("train", None)  # `paths` says it
+    evaluation.get("lost", {}).pop("train", None)  # `paths` contains these
     if not evaluation.get("lost"):
         evaluation.pop("lost", None)
     with stored(results / "cases.h5") as cases:
@@ -133,11 +137,11 @@ def of(results, command):
 
 
 def load_path(path):
-    """One load path in short: its end, where everything that went before has left its mark."""
+    """Summary of a load path: its last record, which depends on all earlier ones."""
     short = {"records": len(path["magnitude"]), "lost": int(path["role"].asstr()[1] != "")}
     if short["records"]:
         short["contact_force_N"] = path["contact_force"][-1].tolist()
-    if "newton_iterations" in path:  # solved, not measured
+    if "newton_iterations" in path:  # FE paths only, not measured ones
         short["newton"] = int(path["newton_iterations"][()].sum())
     if short["records"] and "smallest_J" in path:
         short["smallest_J"] = float(path["smallest_J"][-1])
@@ -145,7 +149,7 @@ def load_path(path):
 
 
 def trained(model):
-    """Of a law its constants alone: eval.json has its coefficients and how its fit ended."""
+    """For an energy model only its constants: eval.json has its parameters and the outcome of its fit."""
     if "law" in model:
         return {"law": {"theta_hash": theta_hash(model["law/constants"])}}
     return {**{name: spring_sets(model["trained"][name]) for name in model["optimizers"].asstr()},
@@ -154,8 +158,8 @@ def trained(model):
 
 
 def is_unique(model):
-    """False where loss (9) must have many minimisers: springs outnumber the free nodes' equations, as on grid8. Which one is
-    found depends on the last bits, and so on the machine."""
+    """False where loss (9) has many minimisers: springs outnumber the free nodes' equations, as on grid8. Which
+    minimiser is found then depends on rounding, hence on the machine."""
     nodes, dimension = model["mesh/nodes"].shape
     return "law" in model or len(model["mesh/springs"]) <= dimension * (nodes - len(model["mesh/fixed"]))
 
@@ -166,7 +170,7 @@ def spring_sets(group):
 
 
 def once(values):
-    """A value that all sets share is written once."""
+    """One value if all sets share it, else the list."""
     return values[0] if len(set(values)) == 1 else values
 
 
@@ -179,7 +183,8 @@ def digest(data):
 
 
 def kept(value):
-    """The evaluation without what is NOT_KEPT; lists of cases as tables by name; of lost contacts the names alone."""
+    """The evaluation without the keys of NOT_KEPT. Lists of cases become tables by name; of contacts without a
+    reference only names are kept."""
     if isinstance(value, dict):
         return {key: kept(v) for key, v in value.items() if key not in NOT_KEPT}
     if isinstance(value, list) and value and isinstance(value[0], dict) and "name" in value[0]:
@@ -190,7 +195,7 @@ def kept(value):
 
 
 def rounded(value):
-    """Ten digits: more than any tolerance asks for."""
+    """Rounds to ten digits, more than any tolerance needs."""
     if isinstance(value, dict):
         return {key: rounded(v) for key, v in value.items()}
     if isinstance(value, list):
@@ -199,7 +204,7 @@ def rounded(value):
 
 
 def machine():
-    """Processor, compiler, library versions and BLAS kernels: results are bit for bit the same where these are."""
+    """Processor, compiler, library versions and BLAS kernels. With the same ones, results are equal bit by bit."""
     cpu = {}
     try:
         for line in Path("/proc/cpuinfo").read_text().split("\n\n")[0].splitlines():
@@ -213,7 +218,7 @@ def machine():
 
 
 def blas_kernels():
-    """The kernels that OpenBLAS chooses here, by processor or by OPENBLAS_CORETYPE: sums come out differently in each."""
+    """The kernels that OpenBLAS chooses for the processor or OPENBLAS_CORETYPE. Each rounds sums differently."""
     try:
         name = ctypes.CDLL("libopenblas.so.0").openblas_get_corename
     except (OSError, AttributeError):
@@ -246,7 +251,7 @@ def read(path):
 
 
 def write(path, record):
-    """Beside, then renamed. A record that says the same under the same machine stays as it is, date and all."""
+    """Writes a temporary file and renames it. An old record that differs only in `made` is kept."""
     path = Path(path)
     try:
         old = read(path)
@@ -259,7 +264,7 @@ def write(path, record):
 
 
 def dump(value, indent=0):
-    """JSON with one line for what has no further structure inside, so that a diff shows what moved and no more."""
+    """JSON with one line for each part without further structure, so that a diff shows only the values that changed."""
     inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else []
     if not any(isinstance(v, dict) or isinstance(v, list) and len(v) > 2 for v in inner):
         return json.dumps(value)
@@ -270,14 +275,14 @@ def dump(value, indent=0):
     return opening + "\n" + ",\n".join(pad + row for row in rows) + "\n" + " " * indent + closing
 
 
-# ---- when two say the same
+# ---- comparison of two records
 
 def same_machine(reference, now):
     return reference["machine"] == now["machine"]
 
 
 def differences(reference, now):
-    """What moved further than it may, as a list of Moved in the order of the stages."""
+    """Values that changed by more than their tolerance, as a list of Moved in the order of the stages."""
     same = same_machine(reference, now)
     moved = []
     for key in [k for k in list(reference) + [k for k in now if k not in reference] if k not in NOT_COMPARED]:
@@ -315,12 +320,12 @@ def compare(key, was, now, same, moved):
         moved.append(Moved(key, was, now, "exact"))
         return
     allowed = 0 if same and rule.kind == "count" else rule.relative * abs(was) + rule.absolute
-    if not abs(now - was) <= allowed:  # a NaN has moved
+    if not abs(now - was) <= allowed:  # true for a NaN
         moved.append(Moved(key, was, now, f"allowed {allowed:.2g}" if allowed else "exact"))
 
 
 def counted(value):
-    """How many values a record compares."""
+    """Number of values that a record compares."""
     if isinstance(value, dict):
         return sum(counted(v) for k, v in value.items() if k not in NOT_COMPARED)
     return sum(map(counted, value)) if isinstance(value, list) else 1

@@ -1,6 +1,7 @@
-"""Tables of README.md and results/RESULTS.md: rows of Markdown from evaluations (eval.json, or a record's part of it), and from patient.md.
+"""Tables of README.md and results/RESULTS.md: rows of Markdown, from evaluations (eval.json or a record's part of it)
+and from patient.md.
 
-A record is short of what eval.json has: a cell that it cannot fill is UNKNOWN.
+A record has fewer values than eval.json. A cell whose value is missing is UNKNOWN.
 """
 import re
 
@@ -14,7 +15,7 @@ LABELS = {
     "uniform": "one stiffness",
     "one_set": "one learned set for all cases",
 }
-DRAWN = {  # studies judged on drawn contacts, and what RESULTS.md calls their models
+DRAWN = {  # studies evaluated at drawn contacts, and their models' names in RESULTS.md
     "surface": "**energy model**, plane strain (`surface`)",
     "surface-quick": "energy model, trained in half a minute (`surface-quick`)",
     "surface-sets": "spring sets, the nearest one is used (`surface-sets`)",
@@ -22,7 +23,7 @@ DRAWN = {  # studies judged on drawn contacts, and what RESULTS.md calls their m
     "organ": "energy model, section of an organ (`organ`)",
     "organ-lump": "energy model, with an inclusion five times as stiff (`organ-lump`)",
 }
-SPACE = {  # models of solids, and what RESULTS.md calls them
+SPACE = {  # models of solids, and their names in RESULTS.md
     ("block3", "learned"): "**energy model**, {numbers} parameters, {paths} FE paths (`block3`)",
     ("block3-quick", "learned"): "energy model, {numbers} parameters, {paths} FE paths (`block3-quick`, its own contacts)",
     ("nodule3", "learned"): "energy model, {numbers} parameters, {paths} FE paths, block with an inclusion (`nodule3`, its own contacts)",
@@ -32,7 +33,7 @@ SPACE = {  # models of solids, and what RESULTS.md calls them
     ("block3", "heuristic_a_patch"): "heuristic, E2 = E, without cells, under the contact of the untrained model",
     ("block3", "uniform_patch"): "one stiffness, the same contact",
 }
-RELAXING = {  # studies judged on histories, and what RESULTS.md calls them
+RELAXING = {  # studies evaluated along displacement histories, and their names in RESULTS.md
     "relax": "the block (`relax`)",
     "nodule-relax": "an inclusion that relaxes a quarter as much (`nodule-relax`)",
     "block3-relax": "in space (`block3-relax`)",
@@ -49,7 +50,7 @@ SUMMARY = [  # README's rows: model, study, role, baseline
     ("organ in space", "organ3", "held_out", "heuristic_a_patch", VAN_GELDER),
     ("trained on noisy synthetic forces, in place of measured ones", "measured", "held_out", "repeat", "a second measurement"),
 ]
-PATIENT = {"lump": "adapted to a synthetic target tissue with an inclusion"}  # of patient.md, in README
+PATIENT = {"lump": "adapted to a synthetic target tissue with an inclusion"}  # rows of patient.md in README
 PATIENT_POKES = 20
 STUDIES = {
     "paper": "4-connected, `isotropic` (`paper`)",
@@ -66,7 +67,7 @@ def percent(value):
 
 
 def n_of(statistics):
-    """How many of those asked for a statistic is of (results/FORMATS.md)."""
+    """"n of N" of a statistic (results/FORMATS.md)."""
     of = statistics.get("of", UNKNOWN)  # a record of an earlier program
     lost = statistics.get("no_reference", 0)
     return f"{statistics['n']} of {of}" + (f", {lost} without a reference" if lost else "")
@@ -77,7 +78,7 @@ def counted(text, statistics):
 
 
 def quantiles(statistics):
-    """An infinite one is none: the answers that it falls on are missing."""
+    """median / p95 / max. An infinite quantile is "none": it falls on missing answers."""
     return " / ".join(percent(statistics[key]) for key in ("median", "p95", "max")) if statistics["n"] else "none"
 
 
@@ -86,7 +87,7 @@ def three(statistics):
 
 
 def shape(entry):
-    """Shape error of an entry of closed_loop; its contacts are the force's."""
+    """Displacement error of an entry of closed_loop, at the same contacts as the force error."""
     return quantiles(entry["shape"]) if entry["shape"] else "none"
 
 
@@ -130,7 +131,7 @@ def roles_of(e, model):
 
 
 def surface_table(e, sets):
-    """The models of study surface, and what spring sets make of the same training contacts."""
+    """The models of study surface, and the spring sets trained at the same contacts."""
     names = {"learned": "**energy model**", "untrained": "the same before training", "force_table": "FE force table",
              "heuristic_a_patch": "heuristic, E2 = E t, without cells, under the contact of the model",
              "uniform_patch": "one stiffness, the same contact",
@@ -152,7 +153,7 @@ def drawn_table(evaluations):
         e = evaluations[study]
         t = e["training"]
         numbers = len(t["terms"]) if "terms" in t else f"{t['sets']} sets"
-        paths = t.get("paths", evaluations["surface"]["training"]["paths"])  # sets have those of surface
+        paths = t.get("paths", evaluations["surface"]["training"]["paths"])  # spring sets use the paths of surface
         rows.append(f"| {name} | {numbers} | {paths} | {seconds(t.get('seconds'))} | {roles_of(e, 'learned')} |")
     return rows
 
@@ -172,7 +173,7 @@ def space_table(evaluations):
 
 
 def tools_table(e):
-    """Study block3-tools: the law by the radius of the disc that pressed; no test contact's disc was trained."""
+    """Study block3-tools: errors of the energy model by disc radius. No test contact has a trained radius."""
     of_disc = {role: {entry["radius_m"]: entry for entry in e["by_radius"][role]} for role in SPACE_ROLES}
     rows = ["| disc | " + " | ".join(f"{role}: force | displacement" for role in SPACE_ROLES) + " |", "|---|" + "---|---|" * len(SPACE_ROLES)]
 
@@ -187,12 +188,12 @@ def tools_table(e):
 
 
 def nodule_table(e):
-    """What the map of study nodule3 says: over the nodule, far away, and their ratio."""
+    """The force map of study nodule3: above the nodule, far away, and their ratio."""
     contrast = e["map"]["contrast"]
     force = {tuple(p["contact_m"]): p for p in e["map"].get("places", [])}
 
     def row(name, places):
-        if not force:  # a record
+        if not force:  # evaluation of a record
             return f"| {name} | {UNKNOWN} | {UNKNOWN} |"
         return f"| {name} | " + " | ".join(mean([force[tuple(p)][model] for p in places]) for model in ("fe_N", "learned_N")) + " |"
 
@@ -207,12 +208,12 @@ def nodule_table(e):
 
 
 def beside(statistics, learned):
-    """n of N where it is not that of the row."""
+    """"n of N" where it differs from that of the row."""
     return "" if n_of(statistics) == n_of(learned) else f" ({n_of(statistics)})"
 
 
 def relaxing_table(evaluations):
-    """Each group of histories of the studies that relax: errors of the model and of baselines, median."""
+    """Median errors of the model and of baselines, for each group of histories of the studies that relax."""
     others = {"long_term": "long-term", "instantaneous": "instantaneous", "best_factor": "best factor", "kelvin_voigt": "Kelvin-Voigt",
               "one_branch": "one branch", "prony": "FE force without relaxation, through the Prony series"}
     rows = ["| histories | n of N | model, rms | largest error | without relaxation in both, rms | " + " | ".join(others.values()) + " |",
@@ -240,7 +241,7 @@ def ablation_table(variants, roles):
 
 def measured_table(e):
     names = {"learned": "energy model", "force_table": "force table, interpolated", "heuristic_a": "heuristic, E2 = E t",
-             "heuristic_b": "heuristic, E2 = (C1 + C2) t", "uniform": "one stiffness", "repeat": "the same push measured again"}
+             "heuristic_b": "heuristic, E2 = (C1 + C2) t", "uniform": "one stiffness", "repeat": "a repeat of the measurement"}
     rows = ["| model | rows of the test set |", "|---|---|"]
     return rows + [f"| {name} | {three(e['closed_loop']['held_out'][model])} |" for model, name in names.items()]
 
@@ -278,8 +279,9 @@ def two(statistics):
     return f"{percent(statistics['median'])} / {percent(statistics['p95'])}" if statistics["n"] else "none"
 
 
-def patient_rows(text, way="field, told where"):
-    """Of patient.md: patient -> what it is, its errors by number of pokes, as they stand there, and n of N that have an answer everywhere."""
+def patient_rows(text, way="field, chosen places"):
+    """Rows of patient.md: target tissue -> (description, errors by number of measurements as written there, "n of N" of
+    the fewest answers)."""
     rows = {}
     for section in text.split("\n## ")[1:]:
         head, *lines = section.splitlines()
@@ -294,13 +296,14 @@ def patient_rows(text, way="field, told where"):
 
 def patient_table(patients):
     shown = (0, 1, 5, 10, 20, 40)
-    rows = ["| target tissue (synthetic) | " + " | ".join("before" if n == 0 else f"{n} poke{'s' * (n > 1)}" for n in shown) + " | answered |",
+    rows = ["| target tissue (synthetic) | " + " | ".join("before" if n == 0 else f"{n} measurement{'s' * (n > 1)}" for n in shown) + " | answered |",
             "|---|" + "---|" * (len(shown) + 1)]
     return rows + [f"| {what} | " + " | ".join(errors[n] for n in shown) + f" | {answered} |" for what, errors, answered in patients.values()]
 
 
 def summary_table(evaluations, patients):
-    """README's: of each model the errors of force and displacement, and of its baseline, median / p95 (n of N, eval/statistics.h)."""
+    """README's table: errors of force and displacement of each model, and of its baseline; median / p95 (n of N,
+    eval/statistics.h)."""
     def of_truth(statistics):
         return counted(two(statistics), statistics) if statistics else ""
 
@@ -324,7 +327,7 @@ def summary_table(evaluations, patients):
 
 
 def tables(evaluations):
-    """RESULTS.md's: marker, rows; of those tables alone whose studies are there."""
+    """(marker, rows) of RESULTS.md's tables, for those whose studies are all present."""
     def of(*studies):
         return all(study in evaluations for study in studies)
 

@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
-"""A haptic device over UDP, for `tissue-haptic MODEL --device remote`: presses the top of the block and prints force.
+"""A haptic device over UDP, for `tissue-haptic MODEL --device remote`: indents the top of the block and prints the
+force.
 
     remote_device.py [port [seconds]]
 
-Datagrams, little-endian, 48 bytes each way:
-    out  "TSP1", uint32 sequence, float64 time_s, float64 position_m[3], float64 reserved
+Datagrams, little-endian, 48 bytes (TSP2: 72 bytes):
+    out  "TSP1", uint32 sequence, float64 time_s, float64 position_m[3], float64 grasp (1: the tool grasps)
          or "TSP2", the same, float64 measured_N[3] of a force sensor in the tool (tissue-haptic --learn)
     in   "TSF1", uint32 sequence of the position used, float64 age_s, float64 force_N[3], float64 tick
-time_s is this program's monotonic clock when the position was measured, not a count of positions: positions that are
-old by it are not used, and a time that stands still gets no force at all.
-Forces come from the connected socket alone, are limited to 3.3 N, and count until the next, for 7.5 ms at most: then
-whoever has motors lets go.
+time_s is this program's monotonic clock at the measurement of the position, not a count of positions. Positions that
+are too old by it are not used, and a constant time_s gets no force at all.
+Forces are accepted from the connected socket only and limited to 3.3 N. A force is valid until the next one, for at
+most 7.5 ms. After that a device with motors must set its force to zero.
 """
 import math
 import socket
@@ -19,12 +20,12 @@ import sys
 import time
 
 FORCE_MAX_N = 3.3   # of a Touch, as tissue-haptic --force-max
-HELD_S = 0.0075     # three quarters of what the program holds a force for
+HELD_S = 0.0075     # three quarters of the time for which tissue-haptic holds a force
 NONE = (0.0, 0.0, 0.0)
 
 
 def force_of(datagram, sequence):
-    """The force of a datagram [N], no longer than FORCE_MAX_N; None when it is no answer to a position up to `sequence`."""
+    """The force of a datagram [N], at most FORCE_MAX_N. None if it does not answer a position up to `sequence`."""
     if len(datagram) != 48:
         return None
     magic, used, age_s, fx, fy, fz, tick = struct.unpack("<4sId3dd", datagram)
@@ -49,7 +50,7 @@ def arguments():
 
 port, seconds = arguments()
 link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-link.connect(("127.0.0.1", port))   # forces of any other program are not let in
+link.connect(("127.0.0.1", port))   # rejects forces of any other program
 link.setblocking(False)
 start, force, came = time.monotonic(), NONE, 0.0
 sequence = answers = refused = 0
@@ -59,9 +60,10 @@ while (now := time.monotonic() - start) < seconds:
     y = 0.1 + 0.005 * math.cos(math.pi * now)          # in and out of the middle of the top, 2 s a cycle
     try:
         link.send(struct.pack("<4sId3dd", b"TSP1", sequence, now, 0.05, y, 0.0, 0.0))
-    except (BlockingIOError, ConnectionRefusedError):  # nobody listens yet, or another client leads
+    except (BlockingIOError, ConnectionRefusedError):  # no program listens yet, or another client is connected
         pass
-    for _ in range(512):                               # all that waits, which the system bounds: after a pause, too, the newest counts
+    # Reads all waiting datagrams (the system bounds their number), so that the newest force counts also after a pause.
+    for _ in range(512):
         try:
             newest = force_of(link.recv(49), sequence)
         except BlockingIOError:

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Where the truth stops being trustworthy: force against depth of one patch push, for several angles and meshes.
+"""Limits of the FE reference: force against depth of one patch contact, for several angles and meshes.
 
-A depth and angle are trusted while meshes agree and no state is refused. Writes a CSV, one row per record, with the
-cause in the last row of a path that ended early; prints, per angle, the depth to which the two finest meshes that got
-there agree within 2 % and the depth at which each mesh ended.
+The reference is reliable at a depth and angle if meshes agree and no state is refused. Writes a CSV, one row per
+record, with the cause in the last row of a path that ended early. Prints for each angle the depth to which the two
+finest meshes that reach it agree within 2 %, and the depth at which each mesh ended.
 
-Columns: formulation, contact_x_m, contact_y_m, angle_deg (of the push from the inward normal of the left wall, positive
-upwards), end_size_mm (elements at the patch's ends; at the surface twice that), push_mm, force_x_mN, force_y_mN (for a
-thickness of 1 mm), smallest_J, ended (empty, or why the path stopped after this record).
+Columns: formulation, contact_x_m, contact_y_m, angle_deg (of the displacement from the inward normal of the left wall,
+positive upwards), end_size_mm (elements at the patch's ends; at the surface twice that), push_mm (displacement),
+force_x_mN, force_y_mN (for a thickness of 1 mm), smallest_J, ended (empty, or why the path stopped after this record).
 
 Sample run: python3 scripts/trust_study.py --out trust.csv
 """
@@ -27,7 +27,7 @@ AGREEMENT = 0.02
 
 
 def said_by(command):
-    """A program's exit status and what it complained of; ends the study where there is no such program."""
+    """A program's exit status and its error output. Ends the study if the program is missing."""
     try:
         run = subprocess.run(command, capture_output=True, text=True)
     except OSError as error:
@@ -36,7 +36,7 @@ def said_by(command):
 
 
 def path(work, formulation, x, y, angle, end_size, depth, records):
-    """Rows (push_mm, fx_mN, fy_mN, smallest J) and the reason for an early end."""
+    """Rows (push_mm, fx_mN, fy_mN, smallest J), and the cause if the path ended early."""
     msh = os.path.join(work, "patch.msh")
     out = os.path.join(work, "path.csv")
     command = ["gmsh", "-v", "1", "-2", "-format", "msh22", os.path.join(FEM, "block_graded.geo"), "-o", msh]

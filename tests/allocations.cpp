@@ -11,11 +11,11 @@ thread_local long counted = 0, failing = -1;
 
 }  // namespace
 
-#ifndef EIGEN_RUNTIME_NO_MALLOC  // a sanitizer has an allocator of its own, and Eigen counts (Makefile: ASSERTIONS)
+#ifndef EIGEN_RUNTIME_NO_MALLOC  // a sanitizer has its own allocator; there Eigen checks (Makefile: ASSERTIONS)
 #define TISSUE_SEES_ALLOCATIONS 1
 namespace {
 
-/// Whether this allocation may go on.
+/// Counts this allocation. False if it is to fail.
 bool allowed() {
     if (!counting) return true;
     if (counted++ != failing) return true;

@@ -2,19 +2,20 @@
 
 namespace tissue {
 
-/// A hook under every allocation of this program, for the calling thread. Under a sanitizer, which has hooks of its own,
-/// it sees nothing; there Eigen's own check stands in for it (EIGEN_RUNTIME_NO_MALLOC, a failed assertion).
+/// Counts the allocations of the calling thread. Under a sanitizer, which replaces the allocator, nothing is counted;
+/// there Eigen's own check fails an assertion instead (EIGEN_RUNTIME_NO_MALLOC).
 class Allocations {
    public:
     static bool seen();      ///< false under a sanitizer
 
-    /// From here to the end of this object's life allocations are counted, and number `fail` of them (from 0) fails.
+    /// Counts allocations during the lifetime of this object. Allocation number `fail` (from 0) fails; negative: none
+    /// fails.
     explicit Allocations(long fail = -1);
     ~Allocations();
     Allocations(const Allocations&) = delete;
     Allocations& operator=(const Allocations&) = delete;
 
-    static long count();     ///< of the object that lives, or lived last
+    static long count();     ///< count of the current object, or of the last one
 };
 
 }  // namespace tissue

@@ -9,8 +9,8 @@
 
 namespace tissue {
 
-/// This thread's floating-point mode: the processor's own word where we know it; whether denormals are
-/// numbers, by trying; the rounding, 0 to nearest.
+/// Floating-point mode of the calling thread: control word of the processor (x86-64; elsewhere 0), whether denormals
+/// are numbers, found by trial, and rounding mode (0: to nearest).
 struct FloatMode {
     unsigned word;
     bool denormals;
@@ -21,8 +21,8 @@ struct FloatMode {
 inline FloatMode float_mode() {
     FloatMode mode{0, false, std::fegetround()};
 #if defined(__x86_64__)
-    mode.word = _mm_getcsr() & ~0x3fu;  // without the exceptions that have been
-    mode.rounding = static_cast<int>(mode.word & 0x6000);  // fegetround() asks the other unit
+    mode.word = _mm_getcsr() & ~0x3fu;  // without the exception flags
+    mode.rounding = static_cast<int>(mode.word & 0x6000);  // of SSE; fegetround() reads the x87 unit
 #endif
     volatile double small = std::numeric_limits<double>::min();
     small = small / 2;

@@ -47,7 +47,7 @@ void put_texts(const std::string& file, const std::string& dataset, const std::v
     H5Fclose(id);
 }
 
-/// A row more, as the last one, or one less; of a dataset without rows, one of zeros.
+/// Adds a copy of the last row, or removes the last row. A dataset without rows gets a row of zeros.
 Array with_rows(Array a, int change) {
     const std::size_t rows = a.shape[0];
     std::size_t columns = 1;
@@ -59,7 +59,7 @@ Array with_rows(Array a, int change) {
     return a;
 }
 
-/// The last dimension one longer (with zeros) or shorter.
+/// Extends the last dimension by one (with zeros), or shortens it by one.
 Array with_columns(const Array& a, int change) {
     const std::size_t columns = a.shape.back(), rows = a.values.size() / columns,
                       changed = static_cast<std::size_t>(static_cast<int>(columns) + change);
@@ -77,7 +77,7 @@ std::vector<std::pair<std::string, const DatasetRule*>> datasets_of(const std::s
     std::vector<std::pair<std::string, const DatasetRule*>> found;
     for (const std::string& name : Hdf5Reader(file, "").datasets()) try {
             found.emplace_back(name, &rule_of(table, name));
-        } catch (const std::logic_error&) {  // of another table
+        } catch (const std::logic_error&) {  // the table has no rule for this dataset
         }
     return found;
 }
@@ -90,7 +90,7 @@ std::vector<Mutation> mutations(const std::string& file, const std::string& data
         all.push_back({name, [=](const std::string& f) { put(f, dataset, &a); }, must_be_refused});
     };
     all.push_back({"missing", [=](const std::string& f) { put(f, dataset, nullptr); }, !rule.optional});
-    // a length that no other dataset has makes another file, not a wrong one
+    // if no other dataset has the same length, another length gives another valid file
     const std::string first = rule.shape.substr(0, rule.shape.find(' '));
     std::set<const DatasetRule*> sharing;
     for (const auto& [name, other] : datasets_of(file, table))
@@ -108,35 +108,35 @@ std::vector<Mutation> mutations(const std::string& file, const std::string& data
             twice.back() = twice.front();
             nameless.back() = "";
             outside.back() = "../x";
-            add_texts("one less", fewer, shared);
-            add_texts("one twice", twice, rule.values.name && texts.size() > 1);
-            add_texts("an empty one", nameless, rule.values.name);
-            add_texts("a path", outside, rule.values.name);
+            add_texts("one text removed", fewer, shared);
+            add_texts("first text repeated as the last", twice, rule.values.name && texts.size() > 1);
+            add_texts("last text empty", nameless, rule.values.name);
+            add_texts("last text is a path", outside, rule.values.name);
         }
-        add_texts("one more", more, shared || rule.values.name);  // a group that is not there
-        add_texts("empty", {}, first.back() != '*');
-        add("numbers", {{texts.size() + 1}, std::vector<double>(texts.size() + 1, 1.0)});
+        add_texts("one text added", more, shared || rule.values.name);  // the group with the added name is missing
+        add_texts("no texts", {}, first.back() != '*');
+        add("changed to numbers", {{texts.size() + 1}, std::vector<double>(texts.size() + 1, 1.0)});
         return all;
     }
     const Array a = in.array(dataset);
     const bool rows = !a.values.empty();
-    all.push_back({"texts", [=](const std::string& f) { put_texts(f, dataset, {"a", "b", "c"}); }, true});
-    add("a row more", with_rows(a, 1), shared || (rows && rule.rows != Rows::any));
-    if (rows) add("a row less", with_rows(a, -1), shared);
+    all.push_back({"changed to texts", [=](const std::string& f) { put_texts(f, dataset, {"a", "b", "c"}); }, true});
+    add("one row added", with_rows(a, 1), shared || (rows && rule.rows != Rows::any));
+    if (rows) add("one row removed", with_rows(a, -1), shared);
     if (rows && a.shape.size() > 1) {
-        add("a column more", with_columns(a, 1));
-        add("a column less", with_columns(a, -1));
+        add("one column added", with_columns(a, 1));
+        add("one column removed", with_columns(a, -1));
         Array turned = a;
         std::reverse(turned.shape.begin(), turned.shape.end());
         if (turned.shape != a.shape) add("transposed", turned);
     }
     Array deeper = a;
     deeper.shape.push_back(1);
-    add("a dimension more", deeper);
+    add("one dimension added", deeper);
     Array empty = a;
     empty.shape[0] = 0;
     empty.values.clear();
-    if (rows) add("empty", empty, first.back() != '*' || first == "R*");
+    if (rows) add("no rows", empty, first.back() != '*' || first == "R*");
     if (!rows) return all;
     for (const std::size_t at : {std::size_t{0}, a.values.size() / 2, a.values.size() - 1}) {
         const auto value = [&](const std::string& name, double v, bool must_be_refused) {
@@ -151,23 +151,23 @@ std::vector<Mutation> mutations(const std::string& file, const std::string& data
         value("negative", -1, v.low >= 0);
         value("zero", 0, v.low_open);
         value("huge", 1e300, true);
-        if (v.kind == DatasetKind::integers) value("a half", 0.5, true);
-        if (!v.index_of.empty()) value("no index", 4096, true);
+        if (v.kind == DatasetKind::integers) value("one half", 0.5, true);
+        if (!v.index_of.empty()) value("index out of range", 4096, true);
     }
     if (a.shape[0] > 1 && rule.rows != Rows::any) {
         const std::size_t columns = a.values.size() / a.shape[0];
         Array twice = a;
         std::copy_n(a.values.begin(), columns, twice.values.end() - static_cast<std::ptrdiff_t>(columns));
-        add("the first row again", twice, rule.rows == Rows::distinct || rule.rows == Rows::ascending);
+        add("first row repeated as the last", twice, rule.rows == Rows::distinct || rule.rows == Rows::ascending);
         Array backwards = a;
         for (std::size_t r = 0; r < a.shape[0]; ++r)
             std::copy_n(a.values.begin() + static_cast<std::ptrdiff_t>(r * columns), columns,
                         backwards.values.begin() + static_cast<std::ptrdiff_t>((a.shape[0] - 1 - r) * columns));
-        add("backwards", backwards, rule.rows == Rows::ascending);
+        add("rows in reverse order", backwards, rule.rows == Rows::ascending);
         if (columns > 1 && rule.values.kind == DatasetKind::integers) {
             Array same = a;
             same.values[1] = same.values[0];
-            add("a row that names one twice", same);
+            add("one index twice in a row", same);
         }
     }
     return all;

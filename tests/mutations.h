@@ -8,18 +8,19 @@
 
 namespace tissue {
 
-/// One wrong thing done to one dataset of a file.
+/// One alteration of one dataset of a file.
 struct Mutation {
-    std::string name;                                ///< "a row more"
-    std::function<void(const std::string&)> apply;   ///< to this file
-    bool must_be_refused = true;                     ///< false: what comes of it may be another file that is well
+    std::string name;                                ///< "one row added"
+    std::function<void(const std::string&)> apply;   ///< alters the file with this name
+    bool must_be_refused = true;                     ///< false: the altered file may be valid
 };
 
-/// Every way to do wrong to a dataset as it stands in the file, by what its rule says of it: missing, of another type,
-/// another shape, values that are none, out of range or repeated.
+/// All alterations of a dataset of the file that follow from its rule: missing, of another type or shape, and with
+/// values that are not finite, out of range or repeated.
 std::vector<Mutation> mutations(const std::string& file, const std::string& dataset, const DatasetTable& table);
 
-/// The table's datasets as they stand in the file: "NAME" for every group there is.
+/// Datasets of the file that the table has a rule for, with the rules. A rule with "NAME" covers a dataset of every
+/// group.
 std::vector<std::pair<std::string, const DatasetRule*>> datasets_of(const std::string& file, const DatasetTable& table);
 
 }  // namespace tissue

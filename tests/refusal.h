@@ -5,8 +5,8 @@
 
 namespace tissue {
 
-/// What a refusal says. Fails the test when `act` does not end in an Error of this type, or when its text is not the
-/// one line that error.h promises. Another type of exception fails the test by itself.
+/// Text of the Error that `act` throws. The test fails if `act` throws no Error, or if the text is not the one line
+/// that error.h promises. An exception of another type fails the test too.
 template <class Error, class Act>
 std::string refusal(Act&& act) {
     try {

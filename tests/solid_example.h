@@ -4,8 +4,8 @@
 
 namespace tissue {
 
-/// A whole study of a solid block on a 5 x 4 x 3 lattice, with four load paths, three roles and a nodule: every key of
-/// solids once, but a map. The nodule is last.
+/// A complete study of a solid block on a 5 x 4 x 3 lattice, with four training paths, three drawn roles and a nodule,
+/// and without a map. The section [nodule] is the last one.
 const std::string& solid_study_text();
 
 }  // namespace tissue

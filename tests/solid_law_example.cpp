@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "mesh/topology.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/heuristic.h"
 #include "springs/tissue_energy.h"
 
@@ -19,13 +19,13 @@ TissueModel solid_law_example(const SpringMesh& mesh) {
     m.node_mass_kg = node_masses(mesh, 1000, 1);
     m.heuristic_a = heuristic_stiffness(mesh, modulus_Pa);
     const Eigen::Index cells = cell_count(mesh);
-    const EnergyLaw law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), modulus_Pa), Eigen::VectorXd::Constant(cells, modulus_Pa), modulus_Pa, 12, radius_m),
+    const EnergyModelTerms law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), modulus_Pa), Eigen::VectorXd::Constant(cells, modulus_Pa), modulus_Pa, 12, radius_m),
                         {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
-    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
-    m.energy_law->curve = SpringCurve::mooney_rivlin(0.3, 3);
-    for (Eigen::Index e = 0; e < m.energy_law->constants.size(); ++e)
-        m.energy_law->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
+    m.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    m.energy_model->curve = SpringCurve::mooney_rivlin(0.3, 3);
+    for (Eigen::Index e = 0; e < m.energy_model->constants.size(); ++e)
+        m.energy_model->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
     m.case_names = {"deepest"};
     m.magnitude_m = Eigen::VectorXd::Constant(1, 0.006);
     return m;

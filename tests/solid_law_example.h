@@ -4,7 +4,8 @@
 
 namespace tissue {
 
-/// A law in memory on any mesh in space, under a disc of 7 mm: each constant another, so that none can stand in for another. No FE in it.
+/// An energy model on any mesh in space, for a disc of radius 7 mm. All its constants differ, so that a test detects
+/// swapped constants. It has no FE reference.
 TissueModel solid_law_example(const SpringMesh& mesh);
 
 }  // namespace tissue

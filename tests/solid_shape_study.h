@@ -8,7 +8,8 @@
 
 namespace tissue {
 
-/// A study of the dome (tests/mesh/dome.h), as a .geo that nobody reads; two contacts, five pushes.
+/// A study of the dome (tests/mesh/dome.h) with two contacts and five indentations. Its file dome.geo is empty and is
+/// never read.
 inline const std::string& shape_study_text() {
     static const std::string text = R"([geometry]
 solid = true
@@ -70,7 +71,7 @@ terms = ["spring.all", "cell.all"]
     return text;
 }
 
-/// Read from a folder of its own that has a dome.geo; the folder is gone when this returns.
+/// The study, read from a temporary folder with an empty dome.geo. The folder is removed on return.
 inline Study shape_study(const std::string& text = shape_study_text()) {
     const TemporaryFolder folder;
     folder.file("dome.geo", "");

@@ -10,7 +10,7 @@ using namespace tissue;
 
 namespace {
 
-/// Makes this many threads and no more, as a limit on processes does.
+/// Starts at most `left` threads, like a system with a limit on processes.
 struct Limited {
     int left;
     std::thread operator()(const std::function<void()>& work) {
@@ -21,7 +21,7 @@ struct Limited {
 
 }  // namespace
 
-TEST_CASE("every job runs once, whatever the number of threads that the system makes") {
+TEST_CASE("every job runs once for any number of threads that the system starts") {
     for (const int made : {100, 3, 1, 0}) {
         std::vector<std::atomic<int>> runs(1000);
         Limited maker{made};
@@ -29,11 +29,11 @@ TEST_CASE("every job runs once, whatever the number of threads that the system m
                                       [&](const auto& work) { return maker(work); });
         for (const std::atomic<int>& r : runs) CHECK(r == 1);
         CHECK(used == std::min(8, made + 1));
-        CHECK(refused_threads() >= 8 - used);  // the caller's own is one of the eight
+        CHECK(refused_threads() >= 8 - used);  // the calling thread is one of the eight
     }
 }
 
-TEST_CASE("what a job throws comes out, though the system made fewer threads than asked for") {
+TEST_CASE("an exception of a job is rethrown even if the system starts fewer threads than requested") {
     for (const int made : {0, 2}) {
         Limited maker{made};
         CHECK_THROWS_AS(parallel_for(100, 8, [](int i) { if (i == 40) throw std::out_of_range("forty"); },
@@ -43,7 +43,7 @@ TEST_CASE("what a job throws comes out, though the system made fewer threads tha
     CHECK_THROWS_AS(parallel_for(100, 4, [](int i) { if (i == 40) throw std::out_of_range("forty"); }), std::out_of_range);
 }
 
-TEST_CASE("nothing to do runs nothing, and no thread or fewer is one") {
+TEST_CASE("parallel_for without jobs runs nothing and a thread count below one means one thread") {
     int runs = 0;
     CHECK(parallel_for(0, 8, [&](int) { ++runs; }) == 1);
     CHECK(runs == 0);

@@ -10,7 +10,7 @@
 using namespace tissue;
 using Catch::Matchers::Equals;
 
-TEST_CASE("a registry finds what it has by name, in its order, and lists it where a name is unknown") {
+TEST_CASE("a registry finds entries by name in their order and lists them for an unknown name") {
     const Registry<std::pair<std::string, int>> colours("colour", {{"red", 1}, {"blue", 2}},
                                                         [](const auto& colour) { return colour.first; });
     CHECK(colours.at("blue").second == 2);
@@ -19,7 +19,7 @@ TEST_CASE("a registry finds what it has by name, in its order, and lists it wher
                Equals("colour 'green' is not known; allowed: red, blue"));
 }
 
-TEST_CASE("every spring law and topology bears the name it is found by") {
+TEST_CASE("every spring law and topology has the name under which it is registered") {
     for (const std::string& name : spring_laws().names()) CHECK(make_spring_law(name)->name() == name);
     for (const std::string& name : topologies().names()) {
         const Topology& kind = topologies().at(name);

@@ -5,8 +5,8 @@
 
 namespace tissue {
 
-/// Waits until an event has come, and says whether it has. It comes soon; only a test that fails, or a machine that is
-/// busy, waits longer. wanted: asked every millisecond.
+/// Waits until `wanted`, called every millisecond, returns true. False after two minutes; only a failing test or a busy
+/// machine waits that long.
 template <class Wanted>
 bool wait_for(Wanted&& wanted) {
     using std::chrono::steady_clock;

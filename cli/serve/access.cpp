@@ -11,7 +11,7 @@
 namespace tissue::serve {
 namespace {
 
-/// "127.0.0.1:8080" -> "127.0.0.1", "[::1]:8080" -> "::1"; empty when it is neither.
+/// "127.0.0.1:8080" -> "127.0.0.1", "[::1]:8080" -> "::1"; empty where the port is malformed.
 std::string name_of(std::string_view host) {
     std::string_view port;
     std::string_view name = host;
@@ -43,7 +43,7 @@ bool is_own_origin(std::string_view origin, std::string_view host) {
 }
 
 bool same_secret(std::string_view a, std::string_view b) {
-    // every byte of the longer one is looked at
+    // every byte of the longer text is compared
     unsigned difference = a.size() == b.size() ? 0 : 1;
     for (std::size_t k = 0, n = std::max(a.size(), b.size()); k < n; ++k) {
         const unsigned x = k < a.size() ? static_cast<unsigned char>(a[k]) : 0, y = k < b.size() ? static_cast<unsigned char>(b[k]) : 0;
@@ -102,8 +102,8 @@ std::string draw_secret() {
 }
 
 std::optional<Refusal> refuse(const Credentials& c, const std::string& token, int port) {
-    if (!is_own_host(c.host)) return Refusal{"host", "this Host is not one that this program serves"};
-    if (c.has_origin && !is_own_origin(c.origin, c.host)) return Refusal{"origin", "a page of another Origin"};
+    if (!is_own_host(c.host)) return Refusal{"host", "this Host is not served"};
+    if (c.has_origin && !is_own_origin(c.origin, c.host)) return Refusal{"origin", "a page of another Origin is refused"};
     if (token.empty()) return {};
     const std::string given = token_in_query(c.target).value_or(token_in_cookie(c.cookie, port).value_or(""));
     if (!same_secret(given, token)) return Refusal{"token", "the token is missing or wrong: open the address that the program printed"};

@@ -9,13 +9,13 @@
 namespace tissue::serve {
 namespace {
 
-constexpr double same = 1e-9;  // relative: both files hold what one program computed
+constexpr double same = 1e-9;  // relative; both files contain what one program computed
 
 bool alike(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
     return a.rows() == b.rows() && a.cols() == b.cols() && (a - b).norm() <= same * a.norm();
 }
 
-/// Whether load case c of the model is this one.
+/// Whether load case c of the model is this load case.
 bool is_case(const TissueModel& tissue, int c, const LoadCase& load) {
     return alike(tissue.contact_m.row(c), load.path->contact_m.transpose()) &&
            alike(tissue.direction.row(c), load.path->direction.transpose()) &&
@@ -24,7 +24,7 @@ bool is_case(const TissueModel& tissue, int c, const LoadCase& load) {
             alike(tissue.contact_force_N.row(c), load.record->contact_force_N.transpose()));
 }
 
-/// Throws FileError, MismatchError.
+/// FE displacements at the load cases of the model. Throws FileError, MismatchError.
 std::vector<NodeField> displacements(const std::string& file, const TissueModel& tissue) {
     const Cases cases = read_cases(file);
     if (cases.study != tissue.study) throw MismatchError("it is of the study '" + cases.study + "'");

@@ -7,21 +7,22 @@
 
 namespace tissue::serve {
 
-/// FE's surface at one load case.
+/// FE surface at one load case.
 struct FeOutline {
     double depth_m;
-    NodeField displacement_m;  ///< of the outline's nodes in its order, in space of Scene::shown() (B x D)
+    NodeField displacement_m;  ///< of the outline's nodes in its order; in space of the nodes Scene::shown() (B x D)
 };
 
-/// What FE say inside the tissue at each load case of a model.
+/// FE displacements of all load cases of a model.
 struct FeCases {
-    std::vector<NodeField> displacement_m;  ///< of every node (C) of (N x D); empty when nothing is known of it
-    std::string warning;                    ///< why a cases.h5 that is there is not used; else empty
+    /// of every node, per load case (C) of (N x D); empty without FE displacements
+    std::vector<NodeField> displacement_m;
+    std::string warning;                    ///< why an existing cases.h5 is not used; else empty
 };
 
-/// Reads the cases.h5 that stands in the folder of model.h5. Without one, and of measured ones, which say nothing of
-/// the inside, nothing is known. It belongs to the model when study, nodes and every load case are the same: name, contact,
-/// direction, magnitude and, where the model carries it, FE's force. Throws nothing: the model plays without.
+/// Reads the cases.h5 in the folder of model_file. The result is empty without that file, and for measured cases, which
+/// have no displacements. The file belongs to the model if study, nodes and every load case agree: name, contact,
+/// direction, magnitude and, if the model has it, the FE force. Does not throw: the model runs without it.
 FeCases read_fe_cases(const std::string& model_file, const TissueModel& tissue);
 
 }  // namespace tissue::serve

@@ -9,11 +9,11 @@ namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the page reads little-endian");
 
-constexpr float still_m = 1e-6F;                  ///< a node that has moved by less stays where the page has it
+constexpr float still_m = 1e-6F;                  ///< a node that has moved by less is not sent
 constexpr std::size_t in_plane = 32, in_space = 40;
 constexpr std::size_t second_in_plane = 14, second_in_space = 20;
-constexpr std::size_t contact_at = 29;            ///< index of the first tool's contact at rest, z behind y
-constexpr std::size_t moved_nodes = 38;           ///< index of how many nodes a frame carries, a mesh
+constexpr std::size_t contact_at = 29;            ///< index of the first tool's contact at rest; z after y
+constexpr std::size_t moved_nodes = 38;           ///< index of the number of nodes in a frame, one per mesh
 
 double number(long long n) {
     return static_cast<double>(n);
@@ -26,7 +26,7 @@ void append(std::string& bytes, const std::vector<Number>& numbers) {
 
 bool far(const float* a, const float* b) {
     const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
-    return !(x * x + y * y + z * z <= still_m * still_m);   // not finite: far
+    return !(x * x + y * y + z * z <= still_m * still_m);   // also true where not finite
 }
 
 }  // namespace
@@ -39,7 +39,7 @@ Frame make_frame(const TickState& s, const Scene& scene, const Near& near, const
     const std::size_t own = model.is_solid() ? in_space : in_plane;
     frame.head.assign(own + (model.options.tools < 2 ? 0 : model.is_solid() ? second_in_space : second_in_plane), 0);
     std::vector<double>& head = frame.head;
-    // x and y stand side by side; in space z of all of them follows behind
+    // x and y are adjacent; in space the z values of all points follow later
     std::size_t z = in_plane;
     const auto put = [&](std::size_t at, const Point& p) {
         head[at] = p[0];

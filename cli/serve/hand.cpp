@@ -8,16 +8,18 @@
 namespace tissue::serve {
 namespace {
 
-constexpr double clearance_m = 0.01;    ///< kept from the tissue at rest while on the way; it bulges by less
+constexpr double clearance_m = 0.01;    ///< distance to the tissue at rest on the way; the tissue bulges by less
 constexpr double travel_m_s = 0.5, approach_m_s = 0.08, press_m_s = 0.02, leave_m_s = 0.15;
-constexpr double rest_s = 1.6, pause_s = 0.4;   // so long that tissue has come to rest, and can be compared, before the tool leaves
-constexpr double beside_m = 0.03;       ///< from one tool to the next, where nobody leads them
-constexpr double settle_s = 0.15;       ///< a device's position is the hand's of a little while ago
-constexpr double reading_s = 2;         ///< a model that learns takes a reading of a hand that has been still for a while
-constexpr double same_touch_m = 0.004;  ///< a person who presses deeper has not gone elsewhere
-constexpr double inset_m = 0.0003;      ///< a push along the surface must stay inside it
+// long enough for the tissue to come to rest and be compared before the tool leaves
+constexpr double rest_s = 1.6, pause_s = 0.4;
+constexpr double beside_m = 0.03;       ///< distance between parked tools
+constexpr double settle_s = 0.15;       ///< the position of a device lags the hand
+constexpr double reading_s = 2;         ///< a model that learns measures a hand that has been still for a while
+constexpr double same_touch_m = 0.004;  ///< a client who indents deeper stays at the same contact
+constexpr double inset_m = 0.0003;      ///< a tangential displacement must stay inside the surface
 
-/// From one place of a tour to the next: all are visited, and of many, neighbours not one after the other.
+/// Step from one place of a tour to the next. All places are visited; if there are many, successive places are not
+/// neighbours.
 int stride(int count) {
     if (count <= 20) return 1;
     int step = static_cast<int>(0.382 * count);
@@ -29,7 +31,7 @@ bool within(const Hand::Box& box, const Point& p, double margin) {
     return (p.array() > box.first.array() - margin).all() && (p.array() < box.second.array() + margin).all();
 }
 
-/// Whether the way from a to b comes closer to a box than this.
+/// Whether the segment from a to b comes closer to a box than the margin.
 bool hits(const Hand::Box& box, const Point& a, const Point& b, double margin) {
     double from = 0, to = 1;
     for (Eigen::Index axis = 0; axis < a.size(); ++axis) {
@@ -49,7 +51,8 @@ bool clear(const std::vector<Hand::Box>& boxes, const Point& a, const Point& b, 
     return std::none_of(boxes.begin(), boxes.end(), [&](const Hand::Box& box) { return hits(box, a, b, margin); });
 }
 
-/// Where a way may turn: in the plane at the boxes' corners, in space at the upper ones and above its two ends.
+/// Points where a path may turn: in the plane the corners of the boxes; in space the upper corners, and the points
+/// above both ends.
 std::vector<Point> turns(const std::vector<Hand::Box>& boxes, const Point& from, const Point& to, double clearance) {
     const Eigen::Index d = from.size(), up = d - 1;
     std::vector<Point> points;
@@ -82,7 +85,7 @@ Point outside(const std::vector<Hand::Box>& boxes, const Point& p, double cleara
         double least = std::numeric_limits<double>::infinity();
         for (Eigen::Index axis = 0; axis <= up; ++axis)
             for (bool high : {false, true}) {
-                // the lower side is the held one: only from outside
+                // the lower side is fixed: leave by it only from below
                 if (axis == up && !high && !(p[up] < box.first[up])) continue;
                 const double side = high ? box.second[axis] + clearance : box.first[axis] - clearance, way = std::abs(side - out[axis]);
                 if (!(way < least)) continue;
@@ -99,7 +102,7 @@ std::vector<Point> way_round(const std::vector<Hand::Box>& boxes, const Point& f
     const double margin = 0.9 * clearance;
     std::vector<Point> points = {from, to};
     for (const Point& p : turns(boxes, from, to, clearance)) points.push_back(p);
-    // Dijkstra over what sees each other
+    // Dijkstra's algorithm over pairs of points with a clear segment
     const std::size_t n = points.size();
     std::vector<double> distance(n, std::numeric_limits<double>::infinity());
     std::vector<std::size_t> before(n, 0);
@@ -144,14 +147,15 @@ void Hand::show(const Scene& scene) {
 }
 
 void Hand::follow(const Point& point_m) {
-    // nothing is farther away than three times what there is to touch
+    // limit the distance to three times the extent of the tissue
     const auto& boxes = scene_->boxes();
     const Point size = boxes.back().second - boxes.front().first;
     wanted_ = point_m.cwiseMax(boxes.front().first - 3 * size).cwiseMin(boxes.back().second + 3 * size);
     const Eigen::Index up = wanted_.size() - 1;
-    if (scene_->dimension() == 3) wanted_[up] = std::max(wanted_[up], boxes.front().first[up]);   // what it stands on
+    // not below the support
+    if (scene_->dimension() == 3) wanted_[up] = std::max(wanted_[up], boxes.front().first[up]);
     if (mode_ != Mode::led) {
-        // from the demo's press first out of the tissue again
+        // from an indentation of the demo, leave the tissue first
         way_.clear();
         inside_ = false;
         touch_.resize(0);
@@ -162,17 +166,17 @@ void Hand::follow(const Point& point_m) {
     come_in();
 }
 
-/// In the plane: to outside the nearest side, and from there straight on to where the person is. In between it stands until the device, which
-/// follows it with a lag, is there too: else the tool would come in askew. It stands once: a person who drags along the side is followed along it
-/// meanwhile, and led straight after that.
+/// In the plane: to a point outside the nearest side, and from there straight to the client's position. In between the
+/// hand waits until the device, which lags it, has arrived, because otherwise the tool would enter obliquely. It waits
+/// once: while the client moves along the side, the hand follows along it, and then goes straight in.
 void Hand::come_in() {
     const Point gate = outside(scene_->boxes(), wanted_, clearance_m);
     const bool coming = touch_.size() > 0 && !way_.empty();
-    if (coming && (gate - touch_).norm() < same_touch_m) {   // on its way there already
+    if (coming && (gate - touch_).norm() < same_touch_m) {   // already on its way there
         way_.back().to_m = wanted_;
         return;
     }
-    if (coming && way_.size() == 1) return way_.clear();   // on its way in: has arrived
+    if (coming && way_.size() == 1) return way_.clear();   // on its way in: counts as arrived
     const bool along = coming && clear(scene_->boxes(), at_, gate, 0.9 * clearance_m);
     const double wait_s = along ? way_[way_.size() - 2].wait_s : settle_s;
     way_.clear();
@@ -182,10 +186,11 @@ void Hand::come_in() {
     way_.push_back({wanted_, approach_m_s});
 }
 
-/// In space: to the surface along its normal and on to where the person is, or to a point that is not at the tissue.
+/// In space: to the surface along its normal and on to the client's position; or directly to a point that is not at the
+/// tissue.
 void Hand::approach() {
     const Touch touch = scene_->nearest(wanted_);
-    if (touch_.size() > 0 && (touch.contact_m - touch_).norm() < same_touch_m) {   // on its way there already
+    if (touch_.size() > 0 && (touch.contact_m - touch_).norm() < same_touch_m) {   // already on its way there
         way_.back().to_m = wanted_;
         return;
     }
@@ -217,7 +222,7 @@ void Hand::demonstrate(int place) {
     press();
 }
 
-/// Adds the way round the tissue from where the hand will be then.
+/// Appends a path around the tissue from the end of the present path.
 void Hand::go_round(const Point& to_m) {
     const auto& boxes = scene_->boxes();
     Point from = way_.empty() ? at_ : way_.back().to_m;
@@ -229,10 +234,10 @@ void Hand::go_round(const Point& to_m) {
     for (const Point& p : way_round(boxes, from, to_m, clearance_m)) way_.push_back({p, travel_m_s});
 }
 
-/// Adds one press at the demo's place, and back out.
+/// Appends one indentation at the demo's place, and the way out.
 void Hand::press() {
     const Place& place = scene_->places()[static_cast<std::size_t>(place_)];
-    const double sink = scene_->model().is_law() ? 1 : 1 + 1 / *scene_->model().options.coupling_ratio;
+    const double sink = scene_->model().is_energy_model() ? 1 : 1 + 1 / *scene_->model().options.coupling_ratio;
     const Point touch = place.contact_m + inset_m * place.inward;
     const Point away = outside(scene_->boxes(), place.contact_m - 1.2 * clearance_m * place.inward, clearance_m);
     go_round(away);

@@ -9,41 +9,43 @@
 
 namespace tissue::serve {
 
-/// Where the pointer shall be: led by a person, by the demo, or parked beside the tissue. On its way to a place it goes
-/// round the tissue, not through it; in space over it, for the tissue stands on something. One thread's; no clock of its own.
+/// Target position of the pointer: led by a client, led by the demo, or parked beside the tissue. It moves around the
+/// tissue, not through it; in space over it, because the tissue lies on a support. Not thread-safe; without a clock of
+/// its own.
 class Hand {
    public:
     using Box = Scene::Box;
 
-    /// tool: which one it leads; they stand side by side.
+    /// tool: index of the tool that the hand leads; parked tools are side by side.
     explicit Hand(const Scene& scene, int tool = 0);
 
-    /// Another model: the hand stands beside it, led by nobody.
+    /// Changes to another model: the hand is parked beside it.
     void show(const Scene& scene);
 
-    /// A person leads it to a point (D). The first time it comes from outside: in the plane by the nearest side; in space, where the
-    /// point is at the tissue, along the inward normal of the surface there.
+    /// A client leads the hand to a point (D). The first approach is from outside: in the plane from the nearest side;
+    /// in space, where the point is at the tissue, along the inward normal of the surface.
     void follow(const Point& point_m);
 
-    /// Nobody leads it: it leaves the tissue where it came in.
+    /// The client stops leading: the hand leaves the tissue where it entered.
     void let_go();
 
-    /// The demo leads it: presses place k again and again; -1: one place after another.
+    /// The demo leads the hand: it indents place `place` again and again; -1: one place after another.
     void demonstrate(int place);
 
-    /// Where the pointer shall be after this time [m].
+    /// Position of the pointer after this time [m].
     Point step(double elapsed_s);
 
     const Point& at() const { return at_; }
-    bool begins_press() const { return begins_press_; }      ///< in the last step the demo came to where it presses from, outside the tissue
-    int place() const { return mode_ == Mode::demo ? place_ : -1; }  ///< that the demo presses
+    /// in the last step the demo reached the start of an indentation, outside the tissue
+    bool begins_press() const { return begins_press_; }
+    int place() const { return mode_ == Mode::demo ? place_ : -1; }  ///< the place that the demo indents; -1: no demo
 
    private:
     enum class Mode { parked, led, demo };
     struct Leg {
         Point to_m;
         double speed_m_s;
-        double wait_s = 0;   ///< there
+        double wait_s = 0;   ///< waiting time there
         bool begins_press = false;
     };
 
@@ -58,19 +60,20 @@ class Hand {
     Mode mode_ = Mode::parked;
     std::deque<Leg> way_;
     Point at_, wanted_;
-    Point touch_;            ///< of the surface that it comes to along the normal, in the plane outside it; empty: to none
-    Point entry_;            ///< where it was last outside
-    bool inside_ = false;    ///< led straight, whatever is in between: it has arrived where the person is
+    /// target on the surface of an approach along the normal, in the plane outside it; empty: no approach
+    Point touch_;
+    Point entry_;            ///< last position outside the tissue
+    bool inside_ = false;    ///< the hand has reached the client's position, and follows it directly
     bool tour_ = true;
     bool begins_press_ = false;
     int place_ = 0;
 };
 
-/// p, or the nearest point at least `clearance_m` outside every box; under it only where p is under it.
+/// p, or the nearest point at least `clearance_m` outside every box. The result is below a box only if p is.
 Point outside(const std::vector<Hand::Box>& boxes, const Point& p, double clearance_m);
 
-/// Points to pass on the shortest way between two points outside the boxes that keeps clear of them; the end included. In the plane
-/// round corners, in space up, across and down.
+/// Points of the shortest path between two points outside the boxes that keeps `clearance_m` from them, including the
+/// end. In the plane the path turns at corners; in space it goes up, across and down.
 std::vector<Point> way_round(const std::vector<Hand::Box>& boxes, const Point& from, const Point& to, double clearance_m);
 
 }  // namespace tissue::serve

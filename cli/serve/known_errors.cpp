@@ -17,11 +17,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t most = 2000;             // contacts: more than any study draws, and little enough for a message
-constexpr std::uintmax_t most_bytes = 1 << 24;  // of the file
-constexpr std::size_t most_words = 400;         // bytes of the warning: it quotes the file
+constexpr std::size_t most = 2000;             // contacts: more than any study draws, and few enough for one message
+constexpr std::uintmax_t most_bytes = 1 << 24;  // size limit of the file
+constexpr std::size_t most_words = 400;         // length limit of the warning, which quotes the file
 
-/// A value of an object, of this kind. Throws MismatchError that names it.
+/// Value of a key, of the given type. Throws MismatchError that names the key.
 const Json& value_of(const Json& object, const char* key, const std::string& where, bool (Json::*is)() const noexcept) {
     const auto found = object.is_object() ? object.find(key) : object.end();
     if (!object.is_object() || found == object.end()) throw MismatchError(fmt::format("{} has no '{}'", where, key));
@@ -43,14 +43,14 @@ Point vector(const Json& row, const char* key, const std::string& where) {
     return v;
 }
 
-/// null is a missing answer.
+/// nullopt for null, a missing answer.
 std::optional<double> error(const Json& object, const char* key, const std::string& where) {
     if (object.is_object() && object.contains(key) && object[key].is_null()) return {};
     return number(value_of(object, key, where, &Json::is_number), 0, 1e12, fmt::format("{}: '{}'", where, key));
 }
 
-/// Their names are the model's own.
-void add_trained(const Json& rows, const TissueModel& tissue, std::vector<KnownError>& all) {
+/// Rows of training contacts, found by name among the model's load cases.
+void add_trained(const Json& rows, const TissueModel& tissue, std::vector<ReferenceError>& all) {
     std::map<std::string, int> cases;
     for (int c = 0; c < tissue.case_count(); ++c) cases.emplace(tissue.case_names[static_cast<std::size_t>(c)], c);
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -59,21 +59,21 @@ void add_trained(const Json& rows, const TissueModel& tissue, std::vector<KnownE
         if (found == cases.end()) throw MismatchError(fmt::format("{}: the model has no other load case '{}'", where, name));
         const int c = found->second;
         cases.erase(found);
-        if (!tissue.is_own_case(c)) continue;  // of another disc than the one that plays
+        if (!tissue.is_own_case(c)) continue;  // of another disc than the one in use
         all.push_back({"trained", tissue.contact_m.row(c).transpose(), tissue.direction.row(c).transpose(), tissue.magnitude_m[c], error(rows[k], "error", where)});
     }
 }
 
-void add_drawn(const std::string& role, const Json& rows, const TissueModel& tissue, std::vector<KnownError>& all) {
+void add_drawn(const std::string& role, const Json& rows, const TissueModel& tissue, std::vector<ReferenceError>& all) {
     if (role == "trained" || role.empty() || role.size() > 64 || role.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != std::string::npos)
         throw MismatchError("'drawn' has a role '" + role.substr(0, 64) + "'");
     if (!rows.is_array()) throw MismatchError("'drawn." + role + "' is no list");
     for (std::size_t k = 0; k < rows.size() && all.size() <= most; ++k) {
         const std::string where = fmt::format("row {} of 'drawn.{}'", k, role);
-        if (rows[k].is_object() && rows[k].contains("radius_m") && tissue.energy_law &&
-            value_of(rows[k], "radius_m", where, &Json::is_number).get<double>() != tissue.energy_law->disc_radius_m)
-            continue;  // of another disc than the one that plays
-        KnownError known{role, vector(rows[k], "contact_m", where), vector(rows[k], "direction", where), 0, {}};
+        if (rows[k].is_object() && rows[k].contains("radius_m") && tissue.energy_model &&
+            value_of(rows[k], "radius_m", where, &Json::is_number).get<double>() != tissue.energy_model->disc_radius_m)
+            continue;  // of another disc than the one in use
+        ReferenceError known{role, vector(rows[k], "contact_m", where), vector(rows[k], "direction", where), 0, {}};
         if (!(std::abs(known.direction.norm() - 1) < 1e-6)) throw MismatchError(where + ": 'direction' is no unit vector");
         known.depth_m = number(value_of(rows[k], "depth_m", where, &Json::is_number), 1e-9, tissue.mesh.size_m(), where + ": 'depth_m'");
         known.force = error(value_of(rows[k], "error", where, &Json::is_object), "learned", where);
@@ -86,12 +86,12 @@ void add_drawn(const std::string& role, const Json& rows, const TissueModel& tis
     }
 }
 
-/// Throws FileError, MismatchError, and what the parser throws.
-std::vector<KnownError> errors_in(const std::string& file, const std::string& model_file, const TissueModel& tissue) {
+/// Throws FileError, MismatchError, and the exceptions of the JSON parser.
+std::vector<ReferenceError> errors_in(const std::string& file, const std::string& model_file, const TissueModel& tissue) {
     const Json j = Json::parse(read_file(file));
     if (!j.is_object() || !j.contains("model_hash")) throw MismatchError("it does not say which model it is of; `tissuectl eval` of now does");
     if (value_of(j, "model_hash", "it", &Json::is_string) != file_hash(model_file)) throw MismatchError("it is of another model than " + model_file + "; evaluate this one");
-    std::vector<KnownError> all;
+    std::vector<ReferenceError> all;
     if (j.contains("trained_errors")) add_trained(value_of(j, "trained_errors", "it", &Json::is_array), tissue, all);
     if (j.contains("drawn"))
         for (const auto& [role, rows] : value_of(j, "drawn", "it", &Json::is_object).items()) add_drawn(role, rows, tissue, all);
@@ -101,7 +101,7 @@ std::vector<KnownError> errors_in(const std::string& file, const std::string& mo
 
 }  // namespace
 
-KnownErrors read_known_errors(const std::string& model_file, const TissueModel& tissue) {
+KnownErrors read_reference_errors(const std::string& model_file, const TissueModel& tissue) {
     if (!tissue.mesh.is_solid()) return {};
     const std::string file = std::filesystem::path(model_file).replace_filename("eval.json").string();
     std::error_code unseen;
@@ -111,7 +111,7 @@ KnownErrors read_known_errors(const std::string& model_file, const TissueModel& 
     if (std::filesystem::file_size(file, unseen) > most_bytes) return refused("it has more than 16 MB");
     try {
         return {errors_in(file, model_file, tissue), ""};
-    } catch (const std::exception& e) {  // the parser's, ours, and memory's
+    } catch (const std::exception& e) {  // of the parser, of this program, or out of memory
         return refused(e.what());
     }
 }

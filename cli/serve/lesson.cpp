@@ -17,16 +17,16 @@ void Lesson::listen(Learner& learner) {
                     [](const char* why, void* with) { static_cast<Lesson*>(with)->end(why); });
 }
 
-/// Told to whoever has started the server at once, and on the page.
+/// Prints why learning has ended, and stores it for the pages.
 void Lesson::end(const char* why) noexcept {
     std::cerr << "tissuectl serve: learning has ended, the session goes on without it: " << why << '\n';
     try {
         const std::lock_guard<std::mutex> lock(mutex_);
         News news;
-        if (news_) news = std::move(*news_);  // what the last reading made of the model is still news where nobody has asked for it
+        if (news_) news = std::move(*news_);  // the result of the last measurement, if no one has taken it
         news.ended = why;
         news_ = std::move(news);
-    } catch (...) {  // memory has run out: it is told already
+    } catch (...) {  // out of memory: the message is printed already
     }
 }
 
@@ -39,10 +39,10 @@ void Lesson::hear(const Learner::Line* line) {
         news.warning = line->answer.warning;
     }
     news.field = learned_field(*adaptation_);
-    // in space the ranking takes longer than a hand waits
+    // in space the ranking takes longer than a user waits
     if (const SpringMesh& mesh = adaptation_->base().mesh; !mesh.is_solid()) {
         const std::vector<Push> pushes = pushes_over(adaptation_->surface(), mesh, usual_depth_m, adaptation_->surface().spacing_m());
-        const std::vector<PokeWorth> worth = rank_pokes(*adaptation_, pushes, pushes);
+        const std::vector<MeasurementGain> worth = rank_measurements(*adaptation_, pushes, pushes);
         if (!worth.empty()) news.next = pushes[worth.front().push];
     }
     {

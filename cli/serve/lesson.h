@@ -7,38 +7,40 @@
 #include <string>
 
 #include "adapt/adapted_model.h"
-#include "adapt/next_poke.h"
+#include "adapt/next_measurement.h"
 #include "haptic/learner.h"
 #include "springs/tissue_model.h"
 
 namespace tissue::serve {
 
-/// A stage's law that learns from a tissue which nobody sees, and the pointer's tool touches: what it knows, and the news of it.
+/// Adaptation of a stage's energy model to a hidden target tissue, which the pointer's tool also touches; and the
+/// results for the pages.
 class Lesson {
    public:
-    /// Files of a law, and of the tissue that is touched. Throws FileError, MismatchError.
+    /// Files of an energy model and of the target tissue. Throws FileError, MismatchError.
     Lesson(const std::string& model_file, const std::string& hidden_file);
 
     const TissueModel& hidden() const { return hidden_; }
     Adaptation& adaptation() { return *adaptation_; }
 
-    /// What became of a reading.
+    /// Result of a measurement.
     struct News {
-        std::optional<LearnedField> field;  ///< as it is after it; nothing where other unknowns than a field learn
-        std::optional<Poke> poke;           ///< nothing before the first
-        PokeStatus status = PokeStatus::refused;
+        std::optional<LearnedField> field;  ///< the field after it; nullopt where the unknowns are not a field
+        std::optional<ForceMeasurement> poke;           ///< nullopt before the first measurement
+        UpdateStatus status = UpdateStatus::refused;
         std::string why, warning;
         std::string ended;                  ///< why learning has ended; else empty
-        std::optional<Push> next;           ///< what would tell most now; in the plane
+        std::optional<Push> next;           ///< the most informative next indentation; only in the plane
     };
 
-    /// Takes the learner's lines; before the ticks begin.
+    /// Receives the lines of the learner. Call before the ticks begin.
     void listen(Learner& learner);
 
-    /// Called in the learner's thread with every line, after what the news is made of it. Set before the session.
+    /// Sets a function that is called in the learner's thread with every line, after the news of it is stored. Set
+    /// before the session.
     void also_tell(std::function<void(const Learner::Line&)> tell) { tell_ = std::move(tell); }
 
-    /// The newest that was not asked for yet. Another thread's than the learner's.
+    /// Takes the newest result; nullopt if it was taken already. For another thread than the learner's.
     std::optional<News> news();
 
    private:

@@ -10,12 +10,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Thrown inside this file alone.
+/// Thrown only within this file.
 struct Wrong {
     std::string reason;
 };
 
-/// The keys of one message, each of which must be asked for.
+/// The keys of one message. no_more() refuses keys that were not read.
 class Keys {
    public:
     explicit Keys(const Json& j) : j_(j) {}
@@ -40,8 +40,9 @@ class Keys {
         if (!value.is_boolean()) throw Wrong{fmt::format("'{}' must be true or false", key)};
         return value.get<bool>();
     }
+    bool flag_if_there(const char* key) { return j_.contains(key) && flag(key); }
     void no_more() const {
-        if (j_.size() != asked_) throw Wrong{"a key that this message does not have"};
+        if (j_.size() != asked_) throw Wrong{"unknown key"};
     }
 
    private:
@@ -52,20 +53,21 @@ class Keys {
         return *found;
     }
     const Json& j_;
-    std::size_t asked_ = 1;  // type
+    std::size_t asked_ = 1;  // the key "type"
 };
 
 Message read(const Json& j) {
-    if (!j.is_object()) throw Wrong{"a message is a JSON object"};
+    if (!j.is_object()) throw Wrong{"a message must be a JSON object"};
     const auto type = j.find("type");
-    if (type == j.end() || !type->is_string()) throw Wrong{"a message has a 'type'"};
+    if (type == j.end() || !type->is_string()) throw Wrong{"a message must have a 'type'"};
     Keys keys(j);
     Message message;
     if (*type == "pointer") {
         const double x = keys.number("x"), y = keys.number("y");
         const std::optional<double> z = keys.number_if_there("z");
         const int tool = j.contains("tool") ? keys.integer("tool", 0) : 0;
-        message = PointerMessage{x, y, z, keys.flag("down"), tool};
+        const bool down = keys.flag("down");
+        message = PointerMessage{x, y, z, down, tool, keys.flag_if_there("grasp")};
     } else if (*type == "pause") {
         message = PauseMessage{keys.flag("on")};
     } else if (*type == "reset") {
@@ -75,7 +77,7 @@ Message read(const Json& j) {
     } else if (*type == "model") {
         message = ModelMessage{keys.integer("model", 0)};
     } else
-        throw Wrong{"a type that is none of pointer, pause, reset, demo, model"};
+        throw Wrong{"'type' must be one of pointer, pause, reset, demo, model"};
     keys.no_more();
     return message;
 }
@@ -83,7 +85,7 @@ Message read(const Json& j) {
 }  // namespace
 
 std::variant<Message, Refusal> parse_message(std::string_view text) {
-    if (text.size() > longest_message) return Refusal{"too_long", fmt::format("a message of more than {} bytes", longest_message)};
+    if (text.size() > longest_message) return Refusal{"too_long", fmt::format("a message longer than {} bytes", longest_message)};
     const Json j = Json::parse(text, nullptr, false);
     if (j.is_discarded()) return Refusal{"message", "not JSON"};
     try {

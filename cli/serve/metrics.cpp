@@ -25,7 +25,7 @@ class Page {
     std::string text_;
 };
 
-/// A label's value may not hold a quote, a backslash or a line end as they are.
+/// Escapes quotes, backslashes and line ends in the value of a label.
 std::string quoted(const std::string& text) {
     std::string out;
     for (char c : text) {

@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
-// The assembler takes the files in; paths are the project's, from which make runs; three.js is
-// where Debian's libjs-three puts it.
+// The assembler embeds the files. Paths are relative to the project's root, where make runs; three.js is in Debian's
+// libjs-three.
 #define TAKE_IN(name, file)                                                                                    \
     __asm__(".section .rodata\n" #name "_begin:\n.incbin \"" file "\"\n" #name "_end:\n.byte 0\n.previous\n"); \
     extern "C" const char name##_begin[], name##_end[];

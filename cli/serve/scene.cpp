@@ -21,7 +21,7 @@ Json numbers(const Point& v) {
     return std::vector<double>(v.data(), v.data() + v.size());
 }
 
-/// "left-10mm" -> "left": what the cases of one place have in common.
+/// "left-10mm" -> "left": the common part of the names of one place's cases.
 std::string without_depth(const std::string& name) {
     const std::size_t dash = name.rfind('-');
     const bool depth = dash != std::string::npos && name.size() > dash + 2 && name.compare(name.size() - 2, 2, "mm") == 0;
@@ -43,7 +43,7 @@ Json learned_json(const LearnedField& learned, const std::vector<int>& shown) {
     return {{"pokes", learned.pokes}, {"factor", factor}, {"sd", sd}};
 }
 
-/// node_shown: the page's number of a node.
+/// node_shown: number of a node on the page.
 template <class NodeShown>
 Json nodule_json(const NoduleSurface& nodule, const CarriedPoints& carried, const Point& place_m, const NodeShown& node_shown) {
     Json points = Json::array(), facets = Json::array(), nodes = Json::array(), weights = Json::array();
@@ -54,15 +54,15 @@ Json nodule_json(const NoduleSurface& nodule, const CarriedPoints& carried, cons
     return {{"points_m", points}, {"facets", facets}, {"nodes", nodes}, {"weights", weights}};
 }
 
-Json errors_json(const std::vector<KnownError>& errors) {
+Json errors_json(const std::vector<ReferenceError>& errors) {
     Json all = Json::array();
-    for (const KnownError& e : errors)
+    for (const ReferenceError& e : errors)
         all.push_back({{"role", e.role}, {"contact_m", numbers(e.contact_m)}, {"direction", numbers(e.direction)}, {"inward", numbers(e.inward)},
                        {"depth_m", e.depth_m}, {"error", e.force ? Json(*e.force) : Json()}});
     return all;
 }
 
-/// Adds a matrix's numbers to bytes, row by row, little endian.
+/// Appends the numbers of a matrix to bytes, in row-major order, little-endian.
 template <class Number, class Matrix>
 void append(std::string& bytes, const Matrix& matrix) {
     for (Eigen::Index i = 0; i < matrix.rows(); ++i)
@@ -77,7 +77,7 @@ void append(std::string& bytes, const Matrix& matrix) {
 Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vector<NodeField>& fe_displacement_m, std::optional<LearnedField> learned)
     : model_(model), mesh_(tissue.mesh), surface_(tissue.mesh),
       learned_(std::move(learned)), nodule_(tissue.nodule) {
-    if (tissue.energy_law) tau_s_ = tissue.energy_law->relaxation.tau_s, contact_share_ = tissue.energy_law->relaxation.contact_share;
+    if (tissue.energy_model) tau_s_ = tissue.energy_model->relaxation.tau_s, contact_share_ = tissue.energy_model->relaxation.contact_share;
     for (const auto& mesh : model.meshes) boxes_.emplace_back(mesh->place_m + model.low_m, mesh->place_m + model.high_m);
     if (mesh_.is_solid()) {
         shown_.assign(mesh_.facets.data(), mesh_.facets.data() + mesh_.facets.size());
@@ -89,7 +89,7 @@ Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vec
         shown_.resize(static_cast<std::size_t>(mesh_.node_count()));
         std::iota(shown_.begin(), shown_.end(), 0);
     }
-    const std::vector<int> surface = mesh_.is_solid() ? shown_ : mesh_.loop();   // whose displacement by FE is told
+    const std::vector<int> surface = mesh_.is_solid() ? shown_ : mesh_.loop();   // nodes whose FE displacement is sent
     std::optional<Outline> outline;
     if (!mesh_.is_solid()) outline.emplace(mesh_);
     const auto inward = [&](const Point& contact) -> Point {
@@ -98,7 +98,7 @@ Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vec
     };
     const bool forces = tissue.contact_force_N.rows() > 0;
     for (int c = 0; c < tissue.case_count(); ++c) {
-        if (!tissue.is_own_case(c)) continue;  // what another disc does is no comparison for this one
+        if (!tissue.is_own_case(c)) continue;  // a load case of another disc is no reference for this one
         const Point contact = tissue.contact_m.row(c), direction = tissue.direction.row(c);
         std::size_t k = 0;
         while (k < places_.size() && ((places_[k].contact_m - contact).norm() > 1e-9 || (places_[k].direction - direction).norm() > 1e-9))
@@ -131,9 +131,9 @@ Scene::Scene(const TissueModel& tissue, const HapticModel& model, const std::vec
     }
 }
 
-void Scene::know(std::vector<KnownError> errors) {
+void Scene::know(std::vector<ReferenceError> errors) {
     errors_ = std::move(errors);
-    for (KnownError& e : errors_) e.inward = surface_.nearest(e.contact_m).inward;
+    for (ReferenceError& e : errors_) e.inward = surface_.nearest(e.contact_m).inward;
 }
 
 void Scene::carry(const CarriedSurface& surface) {
@@ -201,7 +201,7 @@ std::string Scene::message(const Lesson::News& news) const {
 std::string Scene::message(const std::vector<std::string>& names, int index) const {
     const HapticOptions& o = model_.options;
     Json j = {{"type", "model"}, {"study", model_.study}, {"models", names}, {"model", index}, {"dimension", dimension()},
-              {"law", model_.is_law()}, {"tools", o.tools}, {"dt_s", o.dt_s}, {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale},
+              {"law", model_.is_energy_model()}, {"grasps", model_.grasps}, {"tools", o.tools}, {"dt_s", o.dt_s}, {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale},
               {"node_count", mesh_.node_count()}, {"spring_count", mesh_.spring_count()}};
     if (tau_s_.size() > 0) j["relaxation"] = {{"tau_s", numbers(tau_s_)}, {"share", numbers(contact_share_)}};
     if (learned_) j["learned"] = learned_json(*learned_, shown_);

@@ -1,15 +1,17 @@
 #include "show.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <iostream>
 
 namespace tissue::serve {
 namespace {
 
-constexpr double silent_s = 2;      ///< a holder who says nothing for this long has let go
-constexpr double turn_s = 0.5;      ///< between two changes of model: each stops the ticks for a moment
-constexpr double crossed_s = 2;     ///< after a change of model a page may still speak of the one before
-constexpr double idle_s = 3;        ///< without a holder until the demo begins by itself
+constexpr double silent_s = 2;      ///< a holder that sends nothing for this long has let go
+constexpr double turn_s = 0.5;      ///< least time between two changes of model: each stops the ticks for a moment
+constexpr double crossed_s = 2;     ///< after a change of model, messages of pages may still refer to the previous one
+constexpr double idle_s = 3;        ///< time without a holder until the demo starts by itself
 
 }  // namespace
 
@@ -30,7 +32,7 @@ void Show::leave(Client client) {
     clients_.erase(client);
     for (Lead& lead : leads_)
         if (lead.holder == client) release(lead, before_s_);
-    if (clients_.empty()) stage_.channel().pause(false);  // nobody is left who could end it
+    if (clients_.empty()) stage_.channel().pause(false);  // otherwise the pause could not be ended
     tell_control();
 }
 
@@ -45,9 +47,9 @@ std::optional<Refusal> Show::hear(Client client, std::string_view text, double n
         return Refusal{"message", "no such place"};
     }
     if (const PointerMessage* m = std::get_if<PointerMessage>(&message); m && m->z_m.has_value() != stage_.model().is_solid()) {
-        // said of the model before: it crossed the news of another one
+        // the message refers to the previous model: it was sent before the change arrived
         if (now_s - turned_s_ < crossed_s) return {};
-        return Refusal{"message", m->z_m ? "'z' is of models in space, and this one is in the plane" : "'z' is missing: this model is in space"};
+        return Refusal{"message", m->z_m ? "'z' is not allowed: this model is in the plane" : "'z' is missing: this model is in space"};
     }
     if (const PointerMessage* m = std::get_if<PointerMessage>(&message)) {
         if (m->tool >= stage_.tools()) return Refusal{"message", "no such tool"};
@@ -72,6 +74,7 @@ void Show::act(Client client, const PointerMessage& m, double now_s) {
         at.head<2>() << m.x_m, m.y_m;
         if (m.z_m) at[2] = *m.z_m;
         lead.hand.follow(at);
+        stage_.pointer(m.tool).grasp(m.grasp);
     } else if (lead.holder == client)
         release(lead, now_s);
 }
@@ -94,12 +97,23 @@ void Show::act(Client, const ModelMessage& m, double now_s) {
     turn(now_s);
 }
 
-/// To the model that is wanted, as soon as it may be.
+/// Changes to the requested model, as soon as turn_s permits.
 void Show::turn(double now_s) {
     if (wanted_ == stage_.index() || now_s - turned_s_ < turn_s) return;
     turned_s_ = now_s;
     const bool paused = stage_.channel().paused();
-    stage_.turn_to(wanted_);
+    const auto begun = std::chrono::steady_clock::now();
+    for (int tool = 0; tool < stage_.tools(); ++tool) stage_.pointer(tool).grasp(false);
+    try {
+        stage_.turn_to(wanted_);
+    } catch (const std::exception& e) {  // of another tool: the file has changed, or is gone
+        std::cerr << "tissuectl serve: " << e.what() << '\n';
+        wanted_ = stage_.index();
+        for (const auto& [other, heard] : clients_) tell_model(other);
+        return;
+    }
+    // a model that is made now may take seconds, and what pages sent meanwhile is about the model before
+    turned_s_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     stage_.channel().pause(paused);
     for (Lead& lead : leads_) {
         lead.holder = nobody;
@@ -115,10 +129,11 @@ void Show::turn(double now_s) {
     }
 }
 
-/// Who leads the hand has let go.
+/// The holder of a hand has let go.
 void Show::release(Lead& lead, double now_s) {
     lead.holder = nobody;
     idle_since_s_ = now_s;
+    stage_.pointer(static_cast<int>(&lead - leads_.data())).grasp(false);
     lead.hand.let_go();
 }
 
@@ -142,8 +157,8 @@ bool Show::step(double now_s) {
     if (!is_held() && first.place() < 0 && now_s - idle_since_s_ > idle_s) first.demonstrate(-1);
     if (!channel.paused()) {
         for (std::size_t tool = 0; tool < leads_.size(); ++tool) stage_.pointer(static_cast<int>(tool)).aim(leads_[tool].hand.step(elapsed));
-        // what a press left behind in tissue that relaxes would be in the next one too, which nothing could be held against then
-        // and a mesh that stays folded would be pressed as such
+        // In tissue that relaxes, the remains of an indentation would change the next one, which could then not be
+        // compared. A mesh that stays inverted would be indented as it is.
         const Scene& scene = stage_.scene();
         if (first.begins_press() && (scene.relaxes() || (seen_ && scene.away_from_rest(channel.state())))) stage_.reset();
     }
@@ -168,7 +183,7 @@ bool Show::step(double now_s) {
     seen_ = true;
     const TickState& state = channel.state();
     const Near near = stage_.scene().near(state);
-    // a contact that is lost and found again between two states, or slips, is another one at the same place
+    // a contact that slips, or is lost and found again between two states, has a new distance at the same place
     constexpr double same_m = 5e-4;
     const bool another = near.place != near_.place || std::abs(near.distance_m - told_m_) > same_m;
     near_ = near;
@@ -193,7 +208,7 @@ void Show::tell_model(Client client) {
     if (!learned_text_.empty()) tell_(client, learned_text_);
 }
 
-/// What has become of a reading, to everyone.
+/// Sends the result of a measurement to all clients.
 void Show::tell_learned() {
     if (!stage_.lesson()) return;
     const std::optional<Lesson::News> news = stage_.lesson()->news();
@@ -220,7 +235,7 @@ const char* Show::holder_for(const Lead& lead, Client client) const {
     return lead.holder == client ? "you" : lead.holder != nobody ? "other" : lead.hand.place() >= 0 ? "demo" : "nobody";
 }
 
-/// To everyone for whom it has changed.
+/// Sends the control message to each client for which it has changed.
 void Show::tell_control() {
     for (auto& [client, heard] : clients_) {
         std::string now = control_for(client);

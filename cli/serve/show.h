@@ -14,23 +14,23 @@
 
 namespace tissue::serve {
 
-/// What happens on the stage: who of the clients leads the hand of each tool, what the demo does with the first, and what everyone is told. Knows no
-/// network; one thread's. Times are seconds of any clock that only grows.
+/// Controls the stage: which client leads the hand of each tool, what the demo does with the first tool, and what the
+/// clients are sent. Independent of the network; not thread-safe. Times are seconds of any monotonic clock.
 class Show {
    public:
     using Client = int;
     using Tell = std::function<void(Client, const std::string&)>;
 
-    /// tell: sends a text to a client. It may not call back.
+    /// tell: sends a text to a client. It must not call back.
     Show(Stage& stage, Tell tell);
 
     void join(Client client);
     void leave(Client client);
 
-    /// Does what a client says; the reason when it may not be said.
+    /// Handles a client's message; returns the reason if it is refused.
     std::optional<Refusal> hear(Client client, std::string_view text, double now_s);
 
-    /// 60 times a second: moves the hand, looks at the newest state. True when frame() is a new one.
+    /// Call 60 times a second: moves the hands and fetches the newest state. True when frame() is new.
     bool step(double now_s);
     const Frame& frame() const { return frame_; }
 
@@ -49,10 +49,10 @@ class Show {
     struct Lead {
         Hand hand;
         Client holder = nobody;
-        double heard_s = 0;   ///< from the holder
+        double heard_s = 0;   ///< time of the holder's last message
     };
     bool is_held() const;
-    bool held_by_other(Client client) const;   ///< any tool
+    bool held_by_other(Client client) const;   ///< whether another client leads any tool
     void release(Lead& lead, double now_s);
     const char* holder_for(const Lead& lead, Client client) const;
     void tell_model(Client client);
@@ -64,18 +64,18 @@ class Show {
     static constexpr Client nobody = -1;
     Stage& stage_;
     Tell tell_;
-    std::vector<Lead> leads_;                 ///< of each tool
-    std::map<Client, std::string> clients_;   ///< and the control message each has heard last
-    int wanted_;                              ///< model that was asked for last
+    std::vector<Lead> leads_;                 ///< one per tool
+    std::map<Client, std::string> clients_;   ///< client -> the last control message that it was sent
+    int wanted_;                              ///< the model that was requested last
     double idle_since_s_ = 0, turned_s_ = -1e9, before_s_ = -1;
     Near near_;
-    double told_m_ = 0;                       ///< distance that everyone has heard last
-    std::string learned_text_;                ///< the newest of a lesson
+    double told_m_ = 0;                       ///< distance that the clients were sent last
+    std::string learned_text_;                ///< the newest message of the lesson
     Frame frame_;
-    bool seen_ = false;                       ///< a state of the model that is on the stage
+    bool seen_ = false;                       ///< whether a state of the present model was fetched
     Histogram tick_us_;                       ///< since the start
     double tick_us_sum_ = 0;
-    double second_s_ = -1;                    ///< when the figures over the last second were made
+    double second_s_ = -1;                    ///< start of the interval of the figures over a second
     long long ticks_then_ = 0;
     Histogram second_us_;
     TickSummary summary_;

@@ -8,7 +8,7 @@
 
 #include "error.h"
 #include "hand.h"
-#include "springs/law_at_radius.h"
+#include "springs/energy_model_at_radius.h"
 #include "surface_file/surface_file.h"
 #include "surface_file/vtk_file.h"
 
@@ -26,7 +26,7 @@ void add(StageCounts& sum, const SafetyCounters& s) {
     sum.stale += s.stale;
 }
 
-void add(StageCounts& sum, const TickBooks& books, const HapticCounters& h) {
+void add(StageCounts& sum, const TickStatistics& books, const HapticCounters& h) {
     sum.ticks += books.ticks;
     sum.misses += books.misses;
     sum.misses_program += books.misses_program;
@@ -35,19 +35,20 @@ void add(StageCounts& sum, const TickBooks& books, const HapticCounters& h) {
     sum.unstable += h.unstable;
 }
 
-/// "results/paper/model.h5" -> paper; two alike get a number.
+/// The study's name; a name that is taken gets a number: "paper (2)".
 std::string name_for(const std::string& study, const std::vector<std::string>& taken) {
     std::string name = study;
     for (int k = 2; std::find(taken.begin(), taken.end(), name) != taken.end(); ++k) name = fmt::format("{} ({})", study, k);
     return name;
 }
 
-/// For an energy model that is served beside spring sets: options that are theirs apply to them alone.
+/// Options for an energy model that is served beside spring sets: those of spring sets are removed.
 HapticOptions without_sets(HapticOptions options, const TissueModel& tissue) {
     options.sets.clear();
     options.select_by = SelectBy::displacement;
     options.innovation.reset();
-    if (tissue.mesh.is_solid() || !options.heuristic_mesh) options.coupling_ratio.reset();  // in the plane the heuristic mesh has one
+    // in the plane the heuristic mesh has a coupling
+    if (tissue.mesh.is_solid() || !options.heuristic_mesh) options.coupling_ratio.reset();
     return options;
 }
 
@@ -59,10 +60,12 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
         if (options_.haptic.tools > 1) throw MismatchError("--tools: a model learns from one tool");
         if (!options_.haptic.tool.is_default()) throw MismatchError("--tool: a model that learns while it plays has its own disc");
         lesson_ = std::make_unique<Lesson>(files.front(), options_.hidden);
-        // finite elements knew the tissue it was trained on, not this one
+        // the FE reference is of the tissue that the model was trained on, not of the target tissue
         TissueModel tissue = lesson_->adaptation().base();
         tissue.contact_force_N.resize(0, tissue.contact_force_N.cols());
-        serve(files.front(), tissue, live_options(options_.haptic, lesson_->adaptation()), {}, learned_field(lesson_->adaptation()));
+        served_.push_back({files.front(), {}});
+        names_.push_back(tissue.study);
+        make(served_.back(), tissue, live_options(options_.haptic, lesson_->adaptation()), {}, learned_field(lesson_->adaptation()));
     } else {
         std::vector<TissueModel> tissues;
         for (const std::string& file : files) try {
@@ -70,27 +73,18 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
             } catch (const MismatchError& e) {
                 throw MismatchError(file + ": " + e.what());
             }
-        const bool some_sets = std::any_of(tissues.begin(), tissues.end(), [](const TissueModel& t) { return !t.energy_law; });
+        some_sets_ = std::any_of(tissues.begin(), tissues.end(), [](const TissueModel& t) { return !t.energy_model; });
         for (std::size_t k = 0; k < files.size(); ++k) {
-            const std::string& file = files[k];
-            const TissueModel& tissue = tissues[k];
-            const std::optional<LearnedField> learned = learned_field(file);
-            const FeCases fe = learned ? FeCases() : read_fe_cases(file, tissue);  // of another tissue than it has become
-            if (!fe.warning.empty()) warnings_.push_back(fe.warning);
-            KnownErrors known = learned ? KnownErrors() : read_known_errors(file, tissue);
-            if (!known.warning.empty()) warnings_.push_back(known.warning);
-            serve(file, tissue, some_sets && tissue.energy_law ? without_sets(options_.haptic, tissue) : options_.haptic, fe.displacement_m, learned);
-            served_.back().scene->know(std::move(known.all));
+            served_.push_back({files[k], options_.haptic.tool});
+            names_.push_back(name_for(tissues[k].study, names_));
+            make(served_.back(), tissues[k]);
         }
+        for (std::size_t k = 0; k < files.size() && options_.haptic.tool.is_default(); ++k) serve_other_tools(files[k], tissues[k]);
     }
     if (!options_.surface.empty()) {
         refuse_vtk(options_.surface);
-        const MshFile surface = read_surface_or_msh(options_.surface, options_.surface);
-        try {
-            scene().carry(carried_surface(scene().mesh(), surface, options_.unit_m));
-        } catch (const MismatchError& e) {
-            throw MismatchError(files.front() + ": " + e.what());
-        }
+        carried_ = read_surface_or_msh(options_.surface, options_.surface);
+        carry(served_.front());
     }
     take_pointers();
     simulation_ = std::make_unique<Simulation>(model());
@@ -100,20 +94,58 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
     lesson_->listen(*learner_);
 }
 
-void Stage::serve(const std::string& file, const TissueModel& tissue, const HapticOptions& haptic, const std::vector<NodeField>& fe_displacement_m,
-                  std::optional<LearnedField> learned) {
-    Served served;
+/// A model of a file, with what lies beside the file: FE displacements and errors.
+void Stage::make(Served& served, const TissueModel& tissue) {
+    const std::optional<LearnedField> learned = learned_field(served.file);
+    // the FE reference is of the trained tissue, not of the adapted one
+    const FeCases fe = learned ? FeCases() : read_fe_cases(served.file, tissue);
+    KnownErrors known = learned ? KnownErrors() : read_reference_errors(served.file, tissue);
+    for (const std::string& warning : {fe.warning, known.warning})
+        if (!warning.empty()) warnings_.push_back(warning);
+    HapticOptions haptic = some_sets_ && tissue.energy_model ? without_sets(options_.haptic, tissue) : options_.haptic;
+    haptic.tool = served.tool;
+    make(served, tissue, haptic, fe.displacement_m, learned);
+    served.scene->know(std::move(known.all));
+}
+
+void Stage::make(Served& served, const TissueModel& tissue, const HapticOptions& haptic, const std::vector<NodeField>& fe_displacement_m,
+                 std::optional<LearnedField> learned) const {
     try {
         served.model = std::make_unique<HapticModel>(tissue, haptic);
         served.scene = std::make_unique<Scene>(tissue, *served.model, fe_displacement_m, std::move(learned));
     } catch (const MismatchError& e) {
-        throw MismatchError(file + ": " + e.what());
+        throw MismatchError(served.file + ": " + e.what());
     }
-    names_.push_back(name_for(tissue.study, names_));
-    served_.push_back(std::move(served));
 }
 
-/// Pointers in the model's own space, above its middle, and side by side.
+/// Has the first model, with any tool, carry the surface of the options.
+void Stage::carry(Served& served) const {
+    if (!carried_ || served.file != served_.front().file) return;
+    try {
+        served.scene->carry(carried_surface(served.scene->mesh(), *carried_, options_.unit_m));
+    } catch (const MismatchError& e) {
+        throw MismatchError(served.file + ": " + e.what());
+    }
+}
+
+/// Adds a model that was trained under several discs with each of these, and with balls whose contact is in their range.
+void Stage::serve_other_tools(const std::string& file, const TissueModel& tissue) {
+    if (!tissue.energy_model || tissue.energy_model->sizes.empty()) return;
+    const EnergyModel& law = *tissue.energy_model;
+    std::vector<ToolChoice> tools;
+    for (const double radius_m : law.sizes.radii_m)
+        if (radius_m != law.disc_radius_m) tools.push_back({ToolChoice::Shape::disc, radius_m});
+    for (const double radius_m : {0.003, 0.004, 0.006, 0.008, 0.010, 0.015, 0.020}) {
+        const double contact_m = BallContact::half_in * radius_m;
+        if (law.relaxation.empty() && contact_m >= law.sizes.radii_m.minCoeff() && contact_m <= law.sizes.radii_m.maxCoeff()) tools.push_back({ToolChoice::Shape::ball, radius_m});
+    }
+    for (const ToolChoice& tool : tools) {
+        names_.push_back(name_for(fmt::format("{}, {} of {:g} mm", tissue.study, to_string(tool.shape), 1e3 * tool.radius_m), names_));
+        served_.push_back({file, tool});
+    }
+}
+
+/// Makes pointers in the model's space, above its middle and side by side.
 void Stage::take_pointers() {
     devices_.clear();
     pointers_.clear();
@@ -127,7 +159,7 @@ void Stage::take_pointers() {
     HapticOptions hand = options_.haptic;
     hand.map = model().options.map;
     try {
-        auto hidden = std::make_unique<HiddenTissue>(std::move(devices_.front()), lesson_->hidden(), hand);
+        auto hidden = std::make_unique<TargetTissue>(std::move(devices_.front()), lesson_->hidden(), hand);
         hidden_ = hidden.get();
         devices_.front() = std::move(hidden);
     } catch (const MismatchError& e) {
@@ -176,7 +208,7 @@ void Stage::stop() {
     if (!thread_.joinable()) return;
     stop_.store(true);
     thread_.join();
-    TickBooks books;
+    TickStatistics books;
     books.ticks = report_.ticks;
     books.misses = report_.misses;
     books.misses_program = report_.misses_program;
@@ -186,6 +218,13 @@ void Stage::stop() {
 }
 
 void Stage::turn_to(int model_index) {
+    Served& next = served_[static_cast<std::size_t>(model_index)];
+    if (!next.model) {
+        Served made{next.file, next.tool};
+        make(made, with_tool(read_model(made.file), made.tool));
+        carry(made);
+        next = std::move(made);
+    }
     stop();
     const int dimension = model().dimension();
     index_ = model_index;
@@ -201,7 +240,7 @@ StageCounts Stage::counts() const {
         const TickState& s = channel_->state();
         add(sum, s.books, s.counters);
         add(sum, s.safety);
-        add(sum, s.second.safety);  // zeros of one tool
+        add(sum, s.second.safety);  // zero where there is one tool
     }
     return sum;
 }

@@ -1,11 +1,12 @@
-// A force that relaxes: of a force that is there at once, F0, a part 1 - sum g_k for ever and a part g_k in each Maxwell branch,
+// Relaxation of a force: of the instantaneous force F0 a part 1 - sum g_k is permanent, and a part g_k is in each
+// Maxwell branch,
 //   F = (1 - sum g_k) F0 + sum Q_k,   Q_k' + Q_k / tau_k = g_k F0',
-// exact where F0 goes straight between two samples. `relaxation` is the model's: {tau_s, share}, often without branches.
+// exact if F0 is linear between two samples. `relaxation` is the model's {tau_s, share}, often without branches.
 
-/** What has felt nothing yet: {at_once, parts}, F0 and Q, N. */
+/** The initial state {at_once, parts}: F0 and Q, N. */
 export const nothing_felt = ({ tau_s }) => ({ at_once: 0, parts: tau_s.map(() => 0) });
 
-/** dt seconds later, when what is there at once has gone straight to at_once. */
+/** The state dt seconds later, after F0 has changed linearly to at_once. */
 export const later = ({ tau_s, share }, felt, dt, at_once) => ({
   at_once,
   parts: felt.parts.map((part, k) => {
@@ -16,5 +17,5 @@ export const later = ({ tau_s, share }, felt, dt, at_once) => ({
 
 export const sum = numbers => numbers.reduce((a, b) => a + b, 0);
 
-/** F. */
+/** The force F, N. */
 export const force_of = ({ share }, felt) => (1 - sum(share)) * felt.at_once + sum(felt.parts);

@@ -1,4 +1,4 @@
-// Drawing in two dimensions: colours, canvases as sharp as the screen, lines and arrows.
+// Drawing in two dimensions: colours, canvases at screen resolution, lines and arrows.
 import { add, clamp, norm } from "./vectors.js";
 
 const VIRIDIS = ["#440154", "#481567", "#482677", "#453781", "#404788", "#39568c", "#33638d", "#2d708e", "#287d8e",
@@ -13,7 +13,7 @@ const SHADES = (() => {
 })();
 export const shade = x => SHADES[clamp(Math.round(255 * x), 0, 255)];
 
-// blue, white, red by even steps of a logarithm: softer and stiffer (ColorBrewer's RdBu)
+// blue, white, red over the logarithm of stiffness: softer to stiffer (ColorBrewer's RdBu)
 const RD_BU = [[33, 102, 172], [103, 169, 207], [209, 229, 240], [247, 247, 247], [253, 219, 199], [239, 138, 98], [178, 24, 43]];
 /** x from -1 to 1. */
 export function warmth(x) {
@@ -31,7 +31,7 @@ export function read_colours() {
 }
 export const font = (px, weight = "") => `${weight} ${px}px ${colours.font}`;
 
-/** A canvas as sharp as the screen; drawing is in CSS pixels. */
+/** Prepares a canvas at screen resolution for drawing in CSS pixels. */
 export function begin(canvas) {
   const ratio = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {

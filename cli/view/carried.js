@@ -1,10 +1,10 @@
-// The organ's own surface, finer than the model's boundary, which carries it. PROTOCOL.md says how it is told.
+// The organ's own surface, finer than the model's boundary, which carries it. PROTOCOL.md defines its bytes.
 import { Surface } from "./surface.js";
 
-/** Its bytes as arrays: rest, facets, node and weight of each vertex. */
+/** Fetches it as arrays: rest, facets, node and weight of each vertex. */
 export async function fetch_carried() {
   const answer = await fetch("surface");
-  if (!answer.ok) throw new Error(`The organ's own surface could not be fetched (${answer.status}); the model's is drawn.`);
+  if (!answer.ok) throw new Error(`The segmented organ surface could not be loaded (${answer.status}); the model's surface is drawn.`);
   const bytes = await answer.arrayBuffer(), [V, F] = new Uint32Array(bytes, 0, 2);
   let from = 8;
   const take = (Type, count) => {
@@ -16,16 +16,16 @@ export async function fetch_carried() {
 
 const threes = numbers => Array.from({ length: numbers.length / 3 }, (_, i) => [...numbers.subarray(3 * i, 3 * i + 3)]);
 
-/** That surface on one of the model's meshes, which stands apart from where the file has it. */
+/** That surface on one of the model's meshes, whose offset from the learned mesh is `apart`. */
 export class Carried extends Surface {
   constructor({ rest, facets, node, weight }, mesh, apart, deepest_m) {
     super({ nodes_m: threes(rest).map(p => p.map((x, a) => x + apart[a])), facets: threes(facets), fixed: [] }, deepest_m);
     Object.assign(this, { node, weight, mesh_rest: Float32Array.from(mesh.nodes_m.flat()), places: this.rest.slice() });
   }
 
-  find_edges() {}   // none are drawn
+  find_edges() {}   // it is drawn without edges
 
-  /** nodes, stiffness: of the mesh, as Surface.update has them. */
+  /** Moves the surface with the mesh. nodes, stiffness: of the mesh, as in Surface.update. */
   follow(nodes, stiffness = null) {
     const { places, rest, node, weight, mesh_rest } = this;
     for (let v = 0; v < rest.length; v += 3)

@@ -1,21 +1,24 @@
-// Model against finite elements, under the push of now. Compared is force along the push: at a place at most NEAR from a contact that
-// was solved, of each mesh along its own push, which is one that was solved to ASKEW degrees or lies between two of them, and at
-// its own depth, from SHALLOW to a twentieth beyond the deepest that was solved; of tissue at rest.
+// Comparison of the model with FE under the present indentation, for tissue at rest. The force along the displacement
+// is compared, for each mesh along its own displacement and at its own depth. The contact must be within NEAR of a
+// known one, which has an FE reference; the direction within ASKEW of a known one or between two; the depth from
+// SHALLOW to 1.05 times the deepest FE depth.
 import { folded } from "./rest.js";
 import { model, state, near, samples, relaxes, IN, LEARNED, vector, vector_of, is_solid, pressed_by } from "./state.js";
 import { add, angle_between, dot, norm } from "./vectors.js";
 import { millimetres } from "./words.js";
 
-export const NEAR = 0.002, ASKEW = 5;    // m and degrees: from here on a contact is another one, in the evaluation too
-export const SNAP = 0.003;        // m: a press this close to a contact that FE have solved is one at it
-export const FAR = 0.02;                 // m: so far away finite elements' force is still told, as that of another place
-export const BETWEEN = 30;               // degrees: known pushes this close to each other say what is between them
-export const SHALLOW = 0.001;            // m: less depth makes a percentage of next to nothing
-const BEYOND = 1.05;                     // times the deepest that was solved
-const MOTION = 0.1;                      // change of depth within AVERAGED: FE are of tissue at rest
-const AVERAGED = 0.5;                    // s, so that a ripple is not read as an error
+// m and degrees: beyond, it is another contact or direction, as in the evaluation
+export const NEAR = 0.002, ASKEW = 5;
+export const SNAP = 0.003;        // m: an indentation this close to a known contact moves to it
+export const FAR = 0.02;                 // m: up to this distance the FE force is shown, as that of another place
+// degrees: FE forces are interpolated between known directions this close to each other
+export const BETWEEN = 30;
+export const SHALLOW = 0.001;            // m: at less depth a relative error has no meaning
+const BEYOND = 1.05;                     // times the deepest FE depth
+const MOTION = 0.1;                      // relative change of depth within AVERAGED above which tissue is not at rest
+const AVERAGED = 0.5;                    // s, so that an oscillation does not count as an error
 
-/** FE force at a depth [N], by lines between what was solved, and a twentieth beyond the deepest; else NaN. */
+/** FE force at a depth [N], linear between FE depths and up to 1.05 times the deepest; else NaN. */
 export function on_curve(curve, depth) {
   const at = between(curve, depth);
   return at ? at.a + (at.b - at.a) * at.w : NaN;
@@ -23,8 +26,8 @@ export function on_curve(curve, depth) {
 
 const deepest = curve => curve[curve.length - 1][0];
 
-/** The rows [depth, what FE say there] on either side of a depth, what they say as a and b, and how far it is from a to b;
- *  null where nothing was solved. */
+/** The values a and b of the FE rows [depth, value] on either side of a depth, and the weight w of b; null outside the
+ *  FE depths. */
 function between(rows, depth) {
   for (let k = 1; k < rows.length; k++) {
     const [d0, a] = rows[k - 1], [d1, b] = rows[k], reach = k + 1 === rows.length ? BEYOND * d1 : d1;
@@ -33,15 +36,16 @@ function between(rows, depth) {
   return null;
 }
 
-/** From the learned mesh to mesh m, at rest: both have the same nodes. */
+/** Offset from the learned mesh to mesh m at rest; both have the same nodes. */
 export const apart = m => add(model.meshes[m].nodes_m[0], model.meshes[0].nodes_m[0], -1);
 
-/** The contact of now, on the learned mesh at rest. */
+/** The present contact, on the learned mesh at rest. */
 export const contact_at_rest = (tool = 0) => vector_of(tool, "contact");
 
-/** FE's curve [[depth, force], both along the push] for a push u at the contact of place k: by lines over the angle between
- *  two known pushes, else that of a push at most ASKEW off; null when there is neither. Force along the push turns with
- *  the push: 5 degrees are 3 per cent, which is more than a good mesh is wrong. In space nothing is drawn between pushes. */
+/** FE curve [[depth, force]], both along the displacement u, at the contact of place k: interpolated linearly in the
+ *  angle between two known directions, else of a direction within ASKEW; null without either. The force depends on the
+ *  direction: 5 degrees change it by 3 per cent, which exceeds the error of a good mesh. In space there is no
+ *  interpolation. */
 export function fe_curve(k, u) {
   if (is_solid()) return angle_between(model.places[k].direction, u) <= ASKEW ? model.places[k].curve : null;
   const fan = model.fans.get(k), angle = turn(fan.from, u);
@@ -54,17 +58,17 @@ export function fe_curve(k, u) {
   return close ? model.places[close.place].curve : null;
 }
 
-/** In the plane, from direction a to direction b, degrees, counter-clockwise. */
+/** Angle in the plane from direction a to direction b, degrees, counter-clockwise. */
 export const turn = (a, b) => 180 / Math.PI * Math.atan2(a[0] * b[1] - a[1] * b[0], dot(a, b));
 
-/** Depth and force along the push of one mesh, in a sample. */
+/** Depth and force along the displacement of one mesh, in a sample. */
 export const pushed = (sample, mesh) => {
   const u = sample.moved[mesh], depth = norm(u);
   return [depth, depth > 0 ? dot(sample.force, u) / depth : 0];
 };
 
-/** FE's surface under the push of now, in the plane, by the nodes of the learned mesh's outline; at the learned mesh's depth, as
- *  their force is. null where the server has none, and where contact or push is another than what was solved. */
+/** FE surface under the present indentation, by node of the learned mesh's outline, at the learned mesh's depth as the
+ *  FE force. null if the server has none, or if contact or direction have no FE reference. */
 export function fe_outline() {
   if (!state || state.v[IN.pressed] < 0 || pressed_by(1) >= 0 || !near || near.place !== state.v[IN.place]) return null;
   const place = model.places[near.place], u = vector(IN.moved);
@@ -74,7 +78,7 @@ export function fe_outline() {
   return at && mesh.outline.map((i, b) => add(add(mesh.nodes_m[i], at.a[b], 1 - at.w), at.b[b], at.w));
 }
 
-/** One mesh in one sample: {depth, error, fe_N, force}, the error relative, or {depth, why: one word}. */
+/** One mesh in one sample: {depth, error (relative), fe_N, force}, or {depth, why: one word}. */
 function against_fe(sample, mesh) {
   const [depth, force] = pushed(sample, mesh);
   if (!Number.isFinite(depth) || !Number.isFinite(force)) return { depth: NaN, why: "unknown" };
@@ -87,7 +91,7 @@ function against_fe(sample, mesh) {
   return fe_N > 0 ? { depth, error: force / fe_N - 1, fe_N, force } : { depth, why: "unknown" };
 }
 
-/** The samples of this press at this contact over the time that is averaged, newest first. */
+/** The samples of this indentation at this contact within AVERAGED, newest first. */
 function recent() {
   const last = samples.length - 1, now = samples[last].time, contact = model.places[samples[last].place].contact_m, all = [];
   for (let s = last; s >= 0 && samples[s].pressed && samples[s].alone && samples[s].time > now - AVERAGED; s--) {
@@ -98,8 +102,8 @@ function recent() {
   return all;
 }
 
-/** One mesh over these samples: {error, fe_N, force} of now, the error as a mean, or {why: one word} that is true of now. A sample without
- *  a number is no part of the mean. */
+/** One mesh over these samples: fe_N and force of the newest, and the mean error; or {why: one word} for the newest.
+ *  Samples without a number are left out of the mean. */
 function judged(recent_samples, mesh) {
   const now = against_fe(recent_samples[0], mesh);
   if (now.why) return now;
@@ -112,29 +116,29 @@ function judged(recent_samples, mesh) {
   return most - least > MOTION * most ? { depth: now.depth, why: "moves" } : { ...now, error: sum / n };
 }
 
-/** How each mesh compares with FE now: {why} when place or push of the learned mesh are none that FE have solved, else
- *  {meshes: [{error} or {why: one word}], errors: of the meshes, NaN where there is none; absent where there is none at all}.
- *  place, distance and askew, of the nearest known contact, in both. */
+/** Comparison of each mesh with FE: {why} if contact or direction of the learned mesh have no FE reference, else
+ *  {meshes: [{error} or {why: one word}], errors: one per mesh, NaN without one; absent without any}. If a known
+ *  contact is near, also its place, distance and askew. */
 export function comparison() {
   if (!state) return { why: "idle" };
-  if (pressed_by(1) >= 0) return { why: `${state.v[IN.pressed] < 0 ? "The second tool presses" : "Two tools press"}: finite elements were solved under one tool, so nothing is compared.` };
+  if (pressed_by(1) >= 0) return { why: `${state.v[IN.pressed] < 0 ? "The second tool indents" : "Two tools indent"}: the FE reference is for one tool; no comparison.` };
   if (state.v[IN.pressed] < 0) return { why: "idle" };
   const k = state.v[IN.place], place = model.places[k];
-  if (!place) return { why: "No known contact is near, so there is nothing to compare with." };
+  if (!place) return { why: "No comparison: no known contact is near." };
   const distance = norm(add(place.contact_m, contact_at_rest(), -1)), moved = vector(IN.moved);
   const deep = norm(moved) >= SHALLOW, askew = deep ? angle_between(place.direction, moved) : NaN;
   const basis = { place: k, distance, askew };
-  if (!place.curve.length) return { ...basis, why: "This model carries no finite-element curves to compare with." };
-  if (!moved.every(Number.isFinite) || !Number.isFinite(distance)) return { ...basis, why: "The learned mesh has no finite place: there is nothing to compare." };
-  if (!deep) return { ...basis, why: "Press a little deeper: below 1 mm there is nothing to compare." };
+  if (!place.curve.length) return { ...basis, why: "No comparison: this model has no FE force curves." };
+  if (!moved.every(Number.isFinite) || !Number.isFinite(distance)) return { ...basis, why: "No comparison: the learned mesh has diverged." };
+  if (!deep) return { ...basis, why: "No comparison below 1\u00a0mm depth." };
   const meshes = model.meshes.map((_, mesh) => folded(mesh) ? { why: "folded" } : judged(recent(), mesh)), { why, force, fe_N } = meshes[LEARNED];
-  if (distance > FAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare with.` };
-  if (why === "askew") return { ...basis, why: `This push is ${Math.round(askew)}° off the nearest known one: too far to compare with.` };
-  if (distance > NEAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far for per cent.`, there: why ? null : { force, fe_N } };
+  if (distance > FAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far to compare.` };
+  if (why === "askew") return { ...basis, why: `The direction is ${Math.round(askew)}° from the nearest known one: too far to compare.` };
+  if (distance > NEAR) return { ...basis, why: `The nearest known contact is ${millimetres(distance)} away: too far for a relative error.`, there: why ? null : { force, fe_N } };
   if (why === "unsolved")
-    return { ...basis, why: "Earlier in this press the tool was where no finite elements were solved, and tissue that relaxes remembers it: let go, wait or press Reset, and press again." };
+    return { ...basis, why: "Part of this indentation had no FE reference, and its force has not relaxed: release, wait or press Reset, then indent again." };
   if (why === "remembers")
-    return { ...basis, why: "The tissue still remembers an earlier press, and finite elements do not: wait a while, or press Reset." };
+    return { ...basis, why: "Force of an earlier indentation remains, which the FE reference lacks: wait, or press Reset." };
   const errors = meshes.map(mesh => mesh.error ?? NaN);
   return { ...basis, meshes, ...errors.some(Number.isFinite) ? { errors } : {} };
 }

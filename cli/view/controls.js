@@ -1,4 +1,4 @@
-// The row of controls, and the line under it.
+// The row of controls, and the line below it.
 import { let_all_go, own_hands } from "./hand.js";
 import { title, way_of } from "./places.js";
 import { control, is_solid, model, relaxes } from "./state.js";
@@ -20,7 +20,7 @@ export function list_models() {
   $("model").value = model.model;
 }
 
-/** Contacts by side, then the directions in which the chosen one is pushed. */
+/** Lists the contacts by side, and the directions of the chosen one. */
 export function list_places() {
   const groups = (is_solid() ? ["top", "left side", "right side", "front", "back", "elsewhere"] : ["left side", "top", "right side", "elsewhere"]).map(side => {
     const group = document.createElement("optgroup");
@@ -37,8 +37,8 @@ function list_ways() {
   const by_angle = is_solid() ? (a, b) => straight(b) - straight(a) : (a, b) => Math.atan2(...tilt(a)) - Math.atan2(...tilt(b));
   const places = contact ? [...contact.places].sort(by_angle) : [];
   $("way").replaceChildren(...places.length ? places.map(k => option(k, way_of(model.places[k]))) : [option(-1, "each")]);
-  // begin with the push that is closest to straight in
-  if (is_solid()) return;   // it stands first
+  // select the direction that is closest to straight in
+  if (is_solid()) return;   // it is the first one
   const into = contact && { "left side": [1, 0], "right side": [-1, 0] }[contact.side] || [0, -1];
   if (places.length) $("way").value = places.reduce((best, k) => dot(tilt(k), into) > dot(tilt(best), into) ? k : best);
 }
@@ -54,23 +54,23 @@ export function show_controls() {
   say("pause", control.paused ? "Continue" : "Pause");
   $("demo").setAttribute("aria-pressed", String(control.holder === "demo"));
   let kind = "", text = "";
-  if (!open && socket.reason) [kind, text] = ["bad", `The server said: ${socket.reason}. Trying again.`];
+  if (!open && socket.reason) [kind, text] = ["bad", `Server: ${socket.reason}. Trying again.`];
   else if (!open && socket.tries > 0) [kind, text] = ["bad", "The server does not answer. Trying again."];
   else if (!open) text = "";
-  else if (control.paused) text = "Paused: time stands still.";
-  else if (other && own) [kind, text] = ["held", "You hold one tool, another visitor the other. The buttons wait until they let go."];
-  else if (other && control.holders.includes("nobody")) [kind, text] = ["held", "Another visitor presses with one tool. You can press with the other one."];
-  else if (other) [kind, text] = ["held", "Another visitor holds the tissue. You are watching; it is yours as soon as they let go."];
+  else if (control.paused) text = "Paused.";
+  else if (other && own) [kind, text] = ["held", "You hold one tool, another user the other. The buttons are disabled until the other user releases it."];
+  else if (other && control.holders.includes("nobody")) [kind, text] = ["held", "Another user indents with one tool. You can indent with the other one."];
+  else if (other) [kind, text] = ["held", "Another user holds the tool. You can take it once it is released."];
   else if (control.holder === "demo")
-    text = `Demo${model.places[control.place] ? `: ${title(control.place)}` : ""}. ${is_solid() ? "Press a solid" : "Drag into a mesh"} to take over.` +
-      (relaxes() ? " The tissue is put to rest before each press." : "") +
-      (calm() ? " Your system asks for little motion, so it is drawn once a second; Play demo shows all of it." : "");
-  else if (control.holder === "you") text = control.holders.every(holder => holder === "you") && model.tools > 1 ? "You hold both tools." : "You hold the tissue.";
+    text = `Demo${model.places[control.place] ? `: ${title(control.place)}` : ""}. ${is_solid() ? "Press on a solid" : "Drag into a mesh"} to take over.` +
+      (relaxes() ? " The tissue is reset before each indentation." : "") +
+      (calm() ? " Your system prefers reduced motion, so it is drawn once a second; Play demo shows it in full." : "");
+  else if (control.holder === "you") text = control.holders.every(holder => holder === "you") && model.tools > 1 ? "You hold both tools." : "You hold the tool.";
   $("notice").dataset.kind = kind;
   say("notice", text);
 }
 
-/** A demo that nobody asked for, before a visitor who wants little motion. */
+/** Whether the demo runs without a request while the user prefers reduced motion. */
 let asked = false;
 export const calm = () => still.matches && control.holder === "demo" && !asked;
 
@@ -81,7 +81,8 @@ const play = () => {
   asked = true;
   tell({ type: "demo", place: Number($("way").value) });
 };
-/** The demo at what has been chosen. Not while this page has a tool in the tissue: the lists then only choose where the keyboard presses next. */
+/** Starts the demo at the chosen contact, unless this page has a tool in the tissue: then the lists only choose the
+ *  next contact of the keyboard. */
 const show_it = () => { if (!own_hands().some(hand => hand.down)) play(); };
 $("contact").addEventListener("change", () => { list_ways(); show_it(); });
 $("way").addEventListener("change", show_it);

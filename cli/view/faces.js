@@ -1,8 +1,8 @@
-// Triangles that tile a plane mesh, of its springs.
+// Triangulation of a plane mesh from its springs.
 import { add, norm } from "./vectors.js";
 
-/** Triangles that tile a mesh at rest. Springs that cross a shorter one are left out; what is left is a plane graph, and
- *  its bounded faces, walked with the tissue on the left, are cut into fans. */
+/** Triangles that tile a mesh at rest. Springs that cross a shorter one are left out. The others form a plane graph,
+ *  whose bounded faces are traversed counter-clockwise and cut into fans. */
 export function faces(mesh) {
   const at = mesh.nodes_m, cross = (o, a, b) => (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
   const apart = (a, b, c, d) => Math.sign(cross(at[a], at[b], at[c])) * Math.sign(cross(at[a], at[b], at[d])) < 0;
@@ -20,7 +20,7 @@ export function faces(mesh) {
     for (let [i, j] = start; !walked.has(i * at.length + j);) {
       walked.add(i * at.length + j);
       face.push(i);
-      const others = around[j];   // the next edge clockwise from where we came: the face is on the left
+      const others = around[j];   // the next edge clockwise from the last one: the face is on the left
       [i, j] = [j, others[(others.indexOf(i) + others.length - 1) % others.length]];
     }
     const area = face.reduce((sum, n, k) => sum + cross([0, 0], at[n], at[face[(k + 1) % face.length]]), 0);

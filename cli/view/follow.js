@@ -1,23 +1,23 @@
-// Finite elements' force under the push that goes on, state by state: their force at the mesh's depth is of tissue that has no
-// memory; where the model relaxes, it goes through the material's branches. That is true of one lasting contact with tissue that
-// remembers nothing; what it still remembers of before is followed too, as a bound.
+// FE force under the present indentation, state by state. The FE force at a mesh's depth is instantaneous. If the model
+// relaxes, that force is passed through the Maxwell branches, which is valid for one lasting contact with fully relaxed
+// tissue. Forces that remain from earlier indentations are followed as a bound.
 import { force_of, later, nothing_felt, sum } from "./branches.js";
 import { NEAR, SHALLOW, contact_at_rest, fe_curve, on_curve } from "./compare.js";
 import { IN, model, samples, state } from "./state.js";
 import { add, dot, norm } from "./vectors.js";
 
-const LEFT = 0.02;      // of the largest force of the press: less that is left of before counts as nothing
-const FARTHEST = 1.2;   // times the deepest that was solved: so far the last line goes on, for the memory alone
-const GAP = 0.2;        // s: whoever has seen no state for longer does not know what was pressed meanwhile
+const LEFT = 0.02;      // of the largest force of the indentation: a smaller remaining force counts as 0
+const FARTHEST = 1.2;   // times the deepest FE depth: extrapolation up to there, for the branches only
+const GAP = 0.2;        // s: after a longer time without states, unseen indentations are possible
 
 let known = null;   // {of: model, time, rested, pressed, meshes: [{felt, left, unsolved, largest, fe_N, unknown}]}
 
-/** Finite elements' force along a push u at the contact of place k, at once [N]; shown: what was solved, else NaN; felt: what the
- *  memory goes by, null when unknown. */
+/** Instantaneous FE force along a displacement u at the contact of place k [N]. shown: within the FE depths, else NaN;
+ *  felt: input of the branches, null if unknown. */
 function at_once(k, u) {
   const place = model.places[k], none = { shown: NaN, felt: null };
   if (!place || !place.curve.length || !(norm(add(place.contact_m, contact_at_rest(), -1)) <= NEAR)) return none;
-  const depth = norm(u), shallow = depth < SHALLOW;   // the direction of next to nothing is none
+  const depth = norm(u), shallow = depth < SHALLOW;   // a very small displacement has no definite direction
   const curve = shallow ? place.curve : fe_curve(k, u), along = shallow ? Math.max(0, dot(u, place.direction)) : depth;
   if (!curve) return none;
   const shown = on_curve(curve, along), [[d0, f0], [d1, f1]] = curve.slice(-2);
@@ -27,12 +27,13 @@ function at_once(k, u) {
 
 const unpressed = left => ({ felt: nothing_felt(model.relaxation), left, unsolved: left.map(() => 0), largest: 0, fe_N: 0, unknown: "" });
 
-/** One mesh from one state to the next. left, unsolved: a bound of what each branch still holds of before this press, and of where this press was that finite elements
- *  were not, N. unknown: "" or the word why their force is none. */
+/** Advances one mesh to the next state. left, unsolved: bounds of the force in each branch [N] that remains from before
+ *  this indentation, and from its parts without FE reference. unknown: "" or the word for a missing FE force. */
 function on(mesh, dt, sample, m) {
   const { share, tau_s } = model.relaxation, faded = parts => parts.map((part, k) => part * Math.exp(-dt / tau_s[k]));
   let left = faded(mesh.left), unsolved = faded(mesh.unsolved);
-  if (!sample.pressed) {   // after the first tool lets go its branches still hold a part; while the second presses, an unknown part, bounded by the strongest push
+  // after release a part stays in the branches; under the second tool, an unknown part, at most of the strongest force
+  if (!sample.pressed) {
     const parts = later(model.relaxation, mesh.felt, dt, 0).parts;
     return unpressed(left.map((part, k) => Math.max(part + unsolved[k] + Math.abs(parts[k]), sample.alone ? 0 : share[k] * model.strongest_N)));
   }
@@ -43,17 +44,19 @@ function on(mesh, dt, sample, m) {
   else if (now.felt === null) unsolved = unsolved.map((part, k) => Math.max(part, share[k] * strength));
   const largest = Math.max(mesh.largest, Math.abs(felt.at_once));
   const unknown = sum(left) > LEFT * largest ? "remembers" : sum(left) + sum(unsolved) > LEFT * largest ? "unsolved" : "";
-  return { felt, left, unsolved, largest, unknown, fe_N: unknown || Number.isNaN(now.shown) ? NaN : Math.max(0, force_of(model.relaxation, felt)) };   // no tool pulls
+  // a tool cannot pull
+  return { felt, left, unsolved, largest, unknown, fe_N: unknown || Number.isNaN(now.shown) ? NaN : Math.max(0, force_of(model.relaxation, felt)) };
 }
 
-/** After every state: writes into its sample what finite elements say under each mesh's push, fe_N [N], NaN where that is unknown,
- *  and why, where the mesh's tissue remembers too much that they do not know: remembers or unsolved. */
+/** After every state: writes the FE force under each mesh's displacement into its sample, fe_N [N], NaN if unknown; and
+ *  the cause, if too large a force remains: "remembers" from an earlier indentation, "unsolved" from parts without FE
+ *  reference. */
 export function follow() {
   if (!state) return;
   const sample = samples[samples.length - 1], rested = state.v[IN.rested];
   const first = !known || known.of !== model || sample.time < known.time, reset = !first && rested !== known.rested;
   const dt = first ? 0 : sample.time - known.time;
-  // nobody presses harder than the strongest known push, says who has not looked on
+  // for unseen times the strongest known force is taken as a bound
   const unseen = first && sample.time - rested > GAP || dt > GAP && !reset;
   const bound = model.relaxation.share.map(share => unseen ? share * model.strongest_N : 0);
   const meshes = model.meshes.map((_, m) => {

@@ -1,35 +1,40 @@
-// Holding the tissue, with one tool or two: whoever leads a hand, it is told to the server at most once a frame.
-import { control, hands, look, model, state, vector_of } from "./state.js";
+// Holding the tissue with one tool or two. The position of a hand is sent to the server at most once a frame.
+import { control, hands, look, model, pressed_by, state, vector_of } from "./state.js";
 import { is_open, tell } from "./transport.js";
 import { add, norm } from "./vectors.js";
 import { $ } from "./words.js";
 
-const ALIVE = 500;                  // ms, between words while the hand rests
-const LONGEST = 60e3;               // ms that a tool stays in the tissue by itself: others wait for it
+const ALIVE = 500;                  // ms between messages while the hand rests
+const LONGEST = 60e3;               // ms that a tool may stay in the tissue without a lead, because others wait for it
 
 function say_where(hand, down) {
   const [x, y, z] = hand.at, tool = hand.tool > 0 ? { tool: hand.tool } : {};
-  tell({ type: "pointer", x, y, ...z === undefined ? {} : { z }, down, ...tool });
+  tell({ type: "pointer", x, y, ...z === undefined ? {} : { z }, down, ...tool, ...down && grasps(hand) ? { grasp: true } : {} });
 }
 
-/** The hands that there are tools for. */
+/** Whether its tool is to grasp: once it touches the tissue. */
+const grasps = hand => $("grasp").checked && pressed_by(hand.tool) >= 0 && (!hand.press || hand.press.arrived || hand.press.out);
+$("grasp").addEventListener("change", () => { for (const hand of hands) hand.told = -Infinity; });
+
+/** The hands of the model's tools. */
 export const own_hands = () => hands.slice(0, model ? model.tools : 1);
-/** The hand that a pointer or the keyboard leads now; undefined where there is none. */
+/** The hand that a pointer or the keyboard leads; undefined without one. */
 export const led_by = by => own_hands().find(hand => hand.down && hand.by === by);
-/** Whether it was left in the tissue, and nobody leads it. */
+/** Whether a hand was left in the tissue and is not led. */
 export const stays = hand => hand.down && hand.by === "box";
-/** Whether a pointer or the keyboard leads one. */
+/** Whether a pointer or the keyboard leads any hand. */
 export const leading = () => own_hands().some(hand => hand.down && !stays(hand));
 const is_others = hand => control.holders[hand.tool] === "other";
 
-/** The next hand to press with, at a point if it is given: the nearest that nobody holds, else the one that has stayed in the tissue longest; undefined where there is none. */
+/** The hand for the next indentation, at point p if given: a free one, the nearest to p if no tool is held; else the
+ *  one that has stayed in the tissue longest; undefined without one. */
 export function next_hand(p) {
   const free = own_hands().filter(hand => !hand.down && !is_others(hand)), away = hand => norm(add(vector_of(hand.tool, "master"), p, -1));
   if (p && state && control.holders.every(holder => holder === "nobody")) free.sort((a, b) => away(a) - away(b));
   return free[0] || own_hands().filter(hand => stays(hand) && !is_others(hand)).sort((a, b) => a.left - b.left)[0];
 }
 
-/** The hand that has taken hold at a point; undefined where it may not. */
+/** Takes hold at a point and returns the hand; undefined if that is not possible. */
 export function take_hold(p, by, hand = next_hand(p)) {
   if (!is_open() || !hand || is_others(hand) || hand.down && !stays(hand)) return undefined;
   let_go(hand);
@@ -48,7 +53,7 @@ export function let_all_go(tells = true) {
   for (const hand of hands) let_go(hand, tells);
 }
 
-/** Whoever led it does so no more: it leaves the tissue, or stays, as the box says. */
+/** Ends the lead of a hand. It leaves the tissue, or with two tools and the box checked stays there. */
 export function end_hold(hand) {
   if (hand && hand.down && hand.press && model.tools > 1 && $("stays").checked) Object.assign(hand, { by: "box", left: performance.now() });
   else let_go(hand);

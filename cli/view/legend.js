@@ -1,15 +1,16 @@
-// What colours, arrows and lines mean.
+// The legend of colours, arrows and lines.
 import { arrow, colours, font, shade, trace, warmth } from "./canvas.js";
 import { nice } from "./scale.js";
 import { is_solid, model, samples } from "./state.js";
 import { largest, norm } from "./vectors.js";
 import { unit_of } from "./words.js";
 
-/** Newtons that one metre of arrow stands for: the strongest known push is as long as a quarter of the tissue is high, in space more. */
+/** Force per metre of arrow [N/m]. The arrow of the strongest known force is 0.25 of the tissue's height long, in
+ *  space 0.7. */
 export function arrow_scale() {
   const most = model.strongest_N || largest(samples.map(s => norm(s.force)), 1e-3);
   const height = model.high_m[model.dimension - 1] - model.low_m[model.dimension - 1];
-  return most / ((is_solid() ? 0.7 : 0.25) * height);   // in space it is seen from above, and shorter
+  return most / ((is_solid() ? 0.7 : 0.25) * height);   // seen from above, arrows in space appear shorter
 }
 
 export function draw_fe_outline(c, points, closed = true) {
@@ -21,9 +22,9 @@ export function draw_fe_outline(c, points, closed = true) {
   c.setLineDash([]);
 }
 
-/** Along the lower edge of a canvas, of pixels_m pixels a metre: displacement as colour, a force of round size as an arrow, and what
- * there is of FE, {surface, force}.
- * In place of displacement the colours mean errors of force, from 0 to worst, or stiffness, from 1 / stiffest to that; 0: neither. */
+/** Draws the legend along the lower edge of a canvas with pixels_m pixels per metre: colours of displacement, a round
+ * force as an arrow, and the FE parts that are shown, {surface, force}. With worst > 0 the colours mean errors of force
+ * from 0 to worst; else with stiffest > 0 stiffness from 1 / stiffest to stiffest. */
 export function draw_legend(c, width, height, pixels_m, fe, { stiffest = 0, worst = 0 } = {}) {
   if (worst) stiffest = 0;
   const narrow = width < 520;
@@ -48,9 +49,9 @@ export function draw_legend(c, width, height, pixels_m, fe, { stiffest = 0, wors
     c.fillText(`${+value.toFixed(1)}${value + step > most + 1e-9 ? unit : ""}`, at, y + 27);
   }
   c.textAlign = "right";
-  c.fillText(worst ? (narrow ? "off FE" : "force off FE") : stiffest ? (narrow ? "stiffer" : "times as stiff") : narrow ? "displaced" : "displacement", x - 8, y + 10);
+  c.fillText(worst ? (narrow ? "error" : "force error") : stiffest ? (narrow ? "stiffness" : "stiffness ratio") : narrow ? "displaced" : "displacement", x - 8, y + 10);
 
-  // a force of round size as an arrow, of the tool on each mesh in the mesh's colour: black is finite elements'
+  // a round force of the tool as an arrow for each mesh, in the mesh's colour; black is for FE
   const per_m = arrow_scale(), round = nice(per_m * 0.02, 1), length = round.top / per_m * pixels_m;
   const left = narrow ? 12 : 20, middle = (model.meshes.length - 1) / 2;
   model.meshes.forEach(({ name }, m) => arrow(c, [left, y + 5 + 9 * (m - middle)], [left + length, y + 5 + 9 * (m - middle)], colours[name] || colours.ink));
@@ -61,10 +62,10 @@ export function draw_legend(c, width, height, pixels_m, fe, { stiffest = 0, wors
   draw_fe_key(c, left, y, narrow, fe);
 }
 
-/** Under it what is finite elements': their surface, and in space their force. */
+/** Draws the key of FE below: the surface, and in space the force. */
 function draw_fe_key(c, left, y, narrow, { surface, force = false }) {
   let at = left;
-  if (surface && is_solid()) {   // a wire
+  if (surface && is_solid()) {   // a wire frame
     c.strokeStyle = colours.fe_surface;
     c.lineWidth = 1.4;
     trace(c, [[at, y + 27], [at + 8, y + 19], [at + 16, y + 27], [at + 24, y + 19]], false);
@@ -80,5 +81,5 @@ function draw_fe_key(c, left, y, narrow, { surface, force = false }) {
   if (at === left) return;
   c.fillStyle = colours.soft;
   const what = [surface ? "surface" : "", force ? "force" : ""].filter(Boolean).join(" and ");
-  c.fillText(narrow || !is_solid() ? "FE" : `${what} by FE, at the learned depth`, at, y + 27);
+  c.fillText(narrow || !is_solid() ? "FE" : `FE ${what} at the learned mesh's depth`, at, y + 27);
 }

@@ -1,16 +1,16 @@
-// The nodule inside a solid, on request; the organ about it is drawn translucent then. PROTOCOL.md says how it is told.
+// The nodule inside a solid, shown on request in a translucent organ. PROTOCOL.md defines its data.
 import * as THREE from "./three.module.js";
 import { apart } from "./compare.js";
 import { look, model, moved } from "./state.js";
 import { add, largest } from "./vectors.js";
 import { $ } from "./words.js";
 
-export const SEEN_THROUGH = 0.38;   // opacity of the organ: its shape and colours still show
+export const SEEN_THROUGH = 0.38;   // opacity of the organ; its shape and colours stay visible
 
 export const shows_nodule = () => Boolean(model.nodule) && $("nodule_wanted").checked;
 $("nodule_wanted").addEventListener("change", () => { moved.fill(true); look.stale = true; });
 
-/** On one of the meshes. Each of its points goes by the weighted sum of what its four nodes move by. */
+/** The nodule on one of the meshes. A point moves by the weighted sum of the displacements of its four nodes. */
 export class Nodule {
   constructor({ points_m, facets, nodes, weights }, mesh, m) {
     this.rest = Float32Array.from(points_m.flatMap(p => add(p, apart(m))));
@@ -23,7 +23,7 @@ export class Nodule {
     this.follow(this.mesh_rest);
   }
 
-  /** Places of the mesh's nodes now. */
+  /** nodes: present positions of the mesh's nodes. */
   follow(nodes) {
     const { rest, position, mesh_rest } = this;
     this.nodes.forEach((four, v) => {
@@ -34,7 +34,7 @@ export class Nodule {
     this.drawn.geometry.computeVertexNormals();
   }
 
-  /** What a test looks at. */
+  /** For tests. */
   told() {
     const { rest, position } = this, far = this.nodes.map((_, v) => Math.hypot(...[0, 1, 2].map(a => position[3 * v + a] - rest[3 * v + a])));
     return { points: this.nodes.length, facets: this.drawn.geometry.index.count / 3, shown: this.drawn.visible, farthest_m: largest(far, 0) };

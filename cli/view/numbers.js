@@ -1,11 +1,11 @@
-// What the visitor is told in words and numbers.
+// Texts and numbers about the present state.
 import { comparison, fe_curve, on_curve } from "./compare.js";
 import { title } from "./places.js";
 import { away_from_rest } from "./rest.js";
 import { HEURISTIC, IN, LEARNED, in_fault, is_solid, model, pressed_by, relaxes, samples, status_of, vector, vector_of, state } from "./state.js";
 import { is_open } from "./transport.js";
 import { norm } from "./vectors.js";
-import { $, millimetres, newtons, percent, say } from "./words.js";
+import { $, millimetres, newtons, percent, say, signed_percent } from "./words.js";
 
 export function judge() {
   const c = comparison(), verdict = $("verdict");
@@ -22,61 +22,61 @@ export function judge() {
     }));
   };
   verdict.classList.toggle("idle", !c.errors || !is_open());
-  if (!is_open()) say_words(state ? "No connection: the picture is the last that came." : "No connection, and no tissue yet.");
-  else if (!state) say_words("Waiting for the tissue.");
+  if (!is_open()) say_words(state ? "No connection: the picture is the last one received." : "No connection, and no data yet.");
+  else if (!state) say_words("Waiting for data.");
   else if (c.why === "idle" && without_force()) say_words(without_force());
   else if (c.why === "idle")
-    say_words(away_from_rest() || `Nothing touches the tissue. ${is_solid() ? "Press a solid" : "Drag into a mesh"}, or let the demo press.`);
+    say_words(away_from_rest() || `Nothing touches the tissue. ${is_solid() ? "Press on a solid" : "Drag into a mesh"}, or play the demo.`);
   else if (c.there)
-    say_words(`Not solved here: at the nearest known contact, ${millimetres(c.distance)} away, finite elements take ${newtons(c.there.fe_N)} for this push; `,
-              ["learned", "the learned mesh"], ` takes ${newtons(c.there.force)} here.`);
+    say_words(`No FE reference here: at the nearest known contact, ${millimetres(c.distance)} away, the FE force is ${newtons(c.there.fe_N)}; `,
+              ["learned", "the learned mesh"], ` here has ${newtons(c.there.force)}.`);
   else if (c.why) say_words(c.why);
   else say_words(...verdict_on(c.meshes));
   if (c.place === undefined || !is_open()) say("basis", "");
   else {
     const push = Number.isFinite(c.askew) ? `, ${Math.round(c.askew)}° from its direction` : "";
-    say("basis", `Nearest known contact: ${title(c.place)}; ${millimetres(c.distance)} away${push}. Per cent: force along the push over ${relaxes() ? "that of finite elements without relaxation, through the material's branches," : "FE's"} at the same depth, less one.`);
+    say("basis", `Nearest known contact: ${title(c.place)}; ${millimetres(c.distance)} away${push}. Force error: force along the displacement over the FE force ${relaxes() ? "without relaxation, passed through the Maxwell branches, " : ""}at the same depth, less\u00a01.`);
   }
   return c;
 }
 
-/** Why the tool has no force, by what its tick came to. */
+/** Cause of a missing force, by the status of the tick. */
 const no_force = [
   "",
   "No force: the tool's position was refused.",
-  "No force until the tool has been outside the tissue: lead it out.",
-  "No force: the tissue is folded. Reset puts it to rest.",
-  "No force: the tissue came apart and was put to rest. Lead the tool out.",
+  "No force until the tool has left the tissue: move it out.",
+  "No force: the surface is self-intersecting. Reset puts the tissue to rest.",
+  "No force: the mesh diverged and was reset. Move the tool out of the tissue.",
 ];
 
-/** The same of the first tool that has a reason; "" where none has. */
+/** The cause for the first tool that has one; "" without one. */
 function without_force() {
   const tool = [0, 1].find(k => k < model.tools && status_of(k) > 0);
   return tool === undefined ? "" : model.tools > 1 ? no_force[status_of(tool)].replace("No force", `No force on the ${tool === 0 ? "first" : "second"} tool`) : no_force[status_of(tool)];
 }
 
-/** Why there is no number for a mesh: what is true of it. */
+/** Cause of a missing error of a mesh. */
 const reasons = {
-  deep: "is deeper than finite elements went",
-  shallow: "is less than 1\u00a0mm deep",
-  askew: "is pushed another way than finite elements were",
+  deep: "is indented deeper than the FE reference",
+  shallow: "is indented less than 1\u00a0mm",
+  askew: "is displaced in another direction than the FE reference",
   moves: "is still moving",
-  remembers: "still remembers an earlier press",
-  unsolved: "remembers a part of this press that no finite elements were solved for",
-  folded: "is folded",
-  unknown: "has no number to compare",
+  remembers: "has force left from an earlier indentation",
+  unsolved: "has force left from a part of this indentation without FE reference",
+  folded: "is inverted",
+  unknown: "has no force to compare",
 };
 
-/** The verdict in words, names of meshes as [class, text]. */
+/** The verdict as texts; errors of meshes are [class, text]. */
 function verdict_on(meshes) {
-  if (meshes[LEARNED].why === "moves") return ["In motion: finite elements are of tissue at rest, so nothing is compared yet."];
-  const of = ({ error }) => `${percent(Math.abs(error))} too\u00a0${error > 0 ? "stiff" : "soft"}`;
+  if (meshes[LEARNED].why === "moves") return ["In motion: the FE reference is in equilibrium; no comparison yet."];
+  const of = m => [model.meshes[m].name, signed_percent(meshes[m].error)], measure = "Force error against the FE reference: ";
   const all = [...meshes.keys()], known = all.filter(m => !meshes[m].why), others = all.filter(m => meshes[m].why);
   const words = [];
-  if (known.length === 2) words.push("Against finite elements the learned mesh is ", ["learned", of(meshes[LEARNED])], ", the heuristic one ", ["heuristic", of(meshes[HEURISTIC])]);
-  else if (known.length === 1) words.push(`Against finite elements the ${model.meshes[known[0]].name} mesh is `, [model.meshes[known[0]].name, of(meshes[known[0]])]);
-  else if (meshes.length === 2 && meshes[LEARNED].why === meshes[HEURISTIC].why) return [`Nothing to compare: each mesh ${reasons[meshes[LEARNED].why]}.`];
-  else words.push("Nothing to compare");
+  if (known.length === 2) words.push(`${measure}learned mesh `, of(LEARNED), ", heuristic mesh ", of(HEURISTIC));
+  else if (known.length === 1) words.push(`${measure}${model.meshes[known[0]].name} mesh `, of(known[0]));
+  else if (meshes.length === 2 && meshes[LEARNED].why === meshes[HEURISTIC].why) return [`No comparison: each mesh ${reasons[meshes[LEARNED].why]}.`];
+  else words.push("No comparison");
   others.forEach((m, k) => words.push(known.length ? "; " : k ? ", " : ": ", `the ${model.meshes[m].name} mesh ${reasons[meshes[m].why]}`));
   return [...words, "."];
 }
@@ -84,7 +84,7 @@ function verdict_on(meshes) {
 const NUMBERS = ["force", "second_force", "device_force", "learned_depth", "heuristic_depth", "fe_force", "spring_set", "tick_rate", "tick_time", "misses", "clamped", "faults", "visitors"];
 
 export function show_numbers(known) {
-  if (!state || !is_open()) {   // none that is true now
+  if (!state || !is_open()) {   // no number is up to date
     for (const id of NUMBERS) say(id, "–");
     return;
   }
@@ -106,17 +106,17 @@ export function show_numbers(known) {
   say("visitors", `${v[IN.clients]}`);
 }
 
-/** Every few seconds and only on news: a screen reader is not a 60 Hz display. */
+/** Updates the text for screen readers, every few seconds and only on a change. */
 let spoken = "";
 export function speak(c) {
   if (!state || !is_open()) return;
   const depth = mesh => millimetres(norm(vector(IN.moved + 2 * mesh)));
   const first = state.v[IN.pressed] < 0 ? ""
-    : `${model.tools > 1 ? "First tool: force" : "Force"} ${newtons(norm(vector(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh ${depth(m)} deep` +
-      (c.errors && Number.isFinite(c.errors[m]) ? `, ${percent(Math.abs(c.errors[m]))} off finite elements` : "")).join("; ")}.`;
-  const second = pressed_by(1) < 0 ? "" : `Second tool: force ${newtons(norm(vector_of(1, "force")))}, ${millimetres(norm(vector_of(1, "moved")))} deep.`;
+    : `${model.tools > 1 ? "First tool: force" : "Force"} ${newtons(norm(vector(IN.force)))}: ${model.meshes.map((mesh, m) => `${mesh.name} mesh indented ${depth(m)}` +
+      (c.errors && Number.isFinite(c.errors[m]) ? `, force ${percent(Math.abs(c.errors[m]))} ${c.errors[m] > 0 ? "above" : "below"} the FE reference` : "")).join("; ")}.`;
+  const second = pressed_by(1) < 0 ? "" : `Second tool: force ${newtons(norm(vector_of(1, "force")))}, depth ${millimetres(norm(vector_of(1, "moved")))}.`;
   const text = [first, second].filter(Boolean).join(" ") || without_force() || "Nothing touches the tissue.";
   if (text === spoken) return;
   say("spoken", spoken = text);
-  $("depth_plot").setAttribute("aria-label", `Force against depth of both meshes and of finite elements. ${text}`);
+  $("depth_plot").setAttribute("aria-label", `Force over depth of each mesh and of the FE reference. ${text}`);
 }

@@ -1,5 +1,5 @@
-// The page of `tissuectl serve`: Fig. 7 of the paper, alive. This file wires the others together, once a frame.
-// A script may look on through window.tissue (see the end); nothing there can be changed.
+// The page of `tissuectl serve`: an interactive Fig. 7 of the paper. This file calls the others, once a frame.
+// Scripts can read the state of the page from window.tissue (see the end), which is read-only.
 import { colours, read_colours } from "./canvas.js";
 import { comparison, fe_outline } from "./compare.js";
 import { calm, list_models, list_places, show_controls, still } from "./controls.js";
@@ -33,22 +33,22 @@ function heard(message) {
 const two_meshes = { title: $("title").textContent, lead: $("lead").textContent };
 const without_curves = { ...two_meshes, lead: two_meshes.lead.split(" The thick curve")[0] };
 const one_mesh = {
-  title: "One force on one mesh",
-  lead: "Press the tissue, which was learned from finite elements: its force, depth and shape stand beside theirs where they solved the push.",
+  title: "Force on a trained mesh",
+  lead: "Indent the tissue model, which was trained on finite elements. Force, depth and shape are compared where an FE reference exists.",
 };
-const one_mesh_without_curves = { ...one_mesh, lead: "Press the tissue, which was learned from finite elements. This model carries none of their curves to compare with." };
+const one_mesh_without_curves = { ...one_mesh, lead: "Indent the tissue model, which was trained on finite elements. This model has no FE force curves." };
 const learning = {
-  title: "Learning while touching",
-  lead: "The tool touches two tissues at once: this one, trained on finite elements, and another that stays hidden. Whenever the hand holds still, " +
-    "the hidden one\u2019s force is a reading, and this tissue becomes more like it, where that reading can know.",
+  title: "Adaptation to measurements",
+  lead: "The tool touches two tissues at once: this model, trained on finite elements, and a target tissue that is not shown. When the hand is still, " +
+    "the force of the target tissue is a measurement, to which the model adapts.",
 };
 const two_tools = {
-  title: "Two tools, one tissue",
-  lead: "Two tools press a tissue that was learned from finite elements under one tool. Each feels what the other does to the tissue: the nearer they are, the more. Depth, plots and the line below the tissue are about the first tool.",
+  title: "Two tools on one tissue",
+  lead: "Two tools indent a tissue model that was trained on finite elements under one tool. Each changes the force of the other, more so at small distance. Depth, plots and the text below the tissue are of the first tool.",
 };
 
 function show_model(message) {
-  let_all_go(false);   // what was held is another tissue
+  let_all_go(false);   // the hands held the previous tissue
   take_model(message);
   group_places();
   prepare_learned();
@@ -58,24 +58,26 @@ function show_model(message) {
   $("spring_set").parentElement.hidden = model.law;
   const two = model.tools > 1, both = model.meshes.length > 1;
   for (const id of ["stays_row", "help_second"]) $(id).hidden = !two;
+  $("grasp_row").hidden = !model.grasps;
+  if ($("grasp_row").hidden) $("grasp").checked = false;
   $("second_force").parentElement.hidden = !two;
   $("heuristic_depth").parentElement.hidden = !both;
   say("force_of", two ? "force of the first tool" : "force on the tissue");
   for (const [id, help] of [["stage", "help"], ["space", "help_space"]]) $(id).setAttribute("aria-describedby", two ? `${help} help_second` : help);
-  $("stage").setAttribute("aria-label", both ? "Two tissue meshes, learned on the left, heuristic on the right" : "A tissue mesh, learned");
-  $("space").setAttribute("aria-label", both ? "Two solids, learned and heuristic, seen from the same side" : "A solid, learned");
+  $("stage").setAttribute("aria-label", both ? "Two tissue meshes, learned on the left, heuristic on the right" : "The learned tissue mesh");
+  $("space").setAttribute("aria-label", both ? "Two solids, learned and heuristic, seen from the same side" : "The learned solid");
   list_models();
   list_places();
   document.title = `${model.study} – tissuectl`;
-  say("about", `Study ${model.study}: ${model.node_count} nodes and ${model.spring_count} springs a mesh, ` +
-      `step ${1e3 * model.dt_s} ms, dynamics ${[...new Set(Object.values(model.dynamics))].join(" and ")}; the hand feels ${model.force_scale === 1 ? "" : `${model.force_scale} times `}` +
-      `the tissue's force, ${model.force_max_N} N at most. ${relaxes() ? `It relaxes: ${relaxing()}. ` : ""}${is_solid() ? "" : `Line width: stiffness (its root${model.law ? "" : ", mean over spring sets"}). `}Colour: displacement${model.learned ? ", or what has been learned from pokes" : ""}.`);
+  say("about", `Study ${model.study}: ${model.node_count} nodes and ${model.spring_count} springs per mesh, ` +
+      `step ${1e3 * model.dt_s} ms, dynamics ${[...new Set(Object.values(model.dynamics))].join(" and ")}; device force: ${model.force_scale === 1 ? "" : `${model.force_scale} times `}` +
+      `the tissue's force, ${model.force_max_N} N at most. ${relaxes() ? `The tissue relaxes: ${relaxing()}. ` : ""}${is_solid() ? "" : `Line width: square root of stiffness${model.law ? "" : " (mean over spring sets)"}. `}Colour: displacement${model.learned ? ", or stiffness adapted from measurements" : ""}.`);
   fit_stage();
 }
 
-// ---- the stage: of the plane, or of space, whose parts are fetched when the first model in space comes
+// ---- the stage: of the plane, or of space, whose files are loaded with the first model in space
 
-let space = null;   // null: not there yet
+let space = null;   // null: not loaded yet
 
 function show_stage() {
   for (const [id, wanted] of [["stage", !is_solid()], ["help", !is_solid()], ["space_stage", is_solid()], ["help_space", is_solid()]])
@@ -118,7 +120,7 @@ function frame(now) {
   else if (!is_solid()) lead_plane(now, before);
   before = now;
   move_hands(now);
-  if (now - words > 200) {   // five times a second: numbers that can be read
+  if (now - words > 200) {   // five times a second, so that the numbers are legible
     words = now;
     const c = judge();
     if (comparable !== Boolean(c.errors) && !calm()) look.stale = true;
@@ -158,7 +160,7 @@ connect({
 });
 requestAnimationFrame(frame);
 
-/** For tests and the curious, in SI units; every look is a copy. */
+/** For tests and other scripts, in SI units. Every value is a copy. */
 Object.defineProperty(window, "tissue", { value: Object.freeze({
   get connected() { return is_open(); },
   get study() { return model && model.study; },
@@ -169,33 +171,38 @@ Object.defineProperty(window, "tissue", { value: Object.freeze({
   get force_N() { return state ? vector(IN.force) : null; },    // of the tool on the tissue
   get pressed() { return state ? state.v[IN.pressed] : -1; },
   get contact_moved_m() { return state ? [vector(IN.moved), vector(IN.moved + 2)] : null; },
-  get largest_displacement_m() {                              // of any node, a mesh
+  get largest_displacement_m() {                              // of any node, per mesh
     return state ? model.meshes.map((_, m) => farthest(m)) : null;
   },
   get tick_rate_Hz() { return state ? state.v[IN.rate] : NaN; },
   get nearest() { return state ? state.v[IN.place] : -1; },   // known contact, index of places
-  get distance_m() { return state && state.v[IN.place] >= 0 ? comparison().distance : NaN; },   // to it
-  get fe_N() { return state ? state.v[IN.fe] : NaN; },        // FE force at the learned mesh's depth, the server's
-  get fe_felt_N() { return samples.length ? [...samples[samples.length - 1].fe_N] : null; },   // the same at each mesh's depth, through the branches
-  get next() { return model && model.next ? structuredClone(model.next) : null; },   // the push that would tell a model that learns most
+  // to the nearest known contact
+  get distance_m() { return state && state.v[IN.place] >= 0 ? comparison().distance : NaN; },
+  get fe_N() { return state ? state.v[IN.fe] : NaN; },        // FE force at the learned mesh's depth, from the server
+  // FE force at each mesh's depth, through the Maxwell branches
+  get fe_felt_N() { return samples.length ? [...samples[samples.length - 1].fe_N] : null; },
+  // the most informative next indentation, for a model that learns
+  get next() { return model && model.next ? structuredClone(model.next) : null; },
   get relaxation() { return model && structuredClone(model.relaxation); },
-  get fe_outline_m() { return fe_outline(); },                // FE's surface as it is drawn, in the plane; null without
-  get outline() { return model ? [...model.meshes[LEARNED].outline] : []; },   // its nodes
+  // FE surface under the present indentation; null without one
+  get fe_outline_m() { return fe_outline(); },
+  get outline() { return model ? [...model.meshes[LEARNED].outline] : []; },   // its nodes in the learned mesh
   get springs() { return model ? model.spring_count : 0; },
   get dimension() { return model ? model.dimension : 0; },
-  get work() { return { ...work }; },                         // nodes told in space, and what the last state took to decode and to follow
+  // nodes received in space; times to decode the last state and to update the drawing
+  get work() { return { ...work }; },
   get solids() { return space && is_solid() ? model.meshes.map((_, m) => space.drawn_points(m)) : null; },   // null: not drawn yet
   get error_map() { return space && is_solid() && space.error_map(); },   // null: none is drawn
   get view() { return space && { ...space.view }; },          // degrees; zoom
-  get pressing() { return space && space.pressing() || null; },       // the visitor's push, in space
-  get fe_shown_m() { return space && space.fe_shown(); },     // FE's surface as it is drawn in space
+  get pressing() { return space && space.pressing() || null; },       // the user's indentation in space
+  get fe_shown_m() { return space && space.fe_shown(); },     // FE surface as drawn in space
   get hand_m() { return hands[0].at && [...hands[0].at]; },
   get tools() { return model ? model.tools : 0; },
   get second() { return state && model.tools > 1 ? { pressed: pressed_by(1), force_N: vector_of(1, "force"), tool_m: vector_of(1, "master") } : null; },
-  get drawn() { return drawings; },                           // times the stage was drawn
+  get drawn() { return drawings; },                           // number of drawings of the stage
   get colours() { return { ...colours }; },
-  get off_FE() { return comparison().errors || null; },       // learned, heuristic; relative
-  on_screen(p) {                                              // of a point, CSS pixels in the window
+  get off_FE() { return comparison().errors || null; },       // relative errors, learned and heuristic
+  on_screen(p) {                                              // CSS pixels of a point in the window
     const box = (is_solid() ? space.stage : stage).getBoundingClientRect(), q = is_solid() ? space.space_to_screen(p) : to_screen(p);
     return [box.left + q[0], box.top + q[1]];
   },

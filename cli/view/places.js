@@ -1,9 +1,9 @@
-// Where a model can be pressed, in words.
+// Contacts and directions of a model as text.
 import { turn } from "./compare.js";
 import { is_solid, model } from "./state.js";
 import { add, angle_between, clamp, dot, norm, unit } from "./vectors.js";
 
-/** "top, x 50 mm" and the like: where a place is, on which side of the learned mesh. */
+/** Position of a place on the learned mesh as text, such as "top, x 50 mm". */
 export function where(place) {
   if (is_solid()) return where_in_space(place);
   const { low, high } = model.box, [x, y] = place.contact_m, close = 1e-6, mm = v => `${+(1e3 * v).toFixed(1)} mm`;
@@ -23,17 +23,17 @@ function where_in_space(place) {
   return { side: "elsewhere", text: mm(0, 1, 2), order: x };
 }
 
-/** "straight in" or "30° off, to the right": the push of a place in words, in space. */
+/** Direction of a place in space as text: "straight in" or "tilted 30° to the right". */
 function way_in_space({ direction, inward }) {
   const tilt = Math.round(angle_between(direction, inward)), words = { "to the right": [1, 0, 0], "to the left": [-1, 0, 0],
     backward: [0, 1, 0], forward: [0, -1, 0], up: [0, 0, 1], down: [0, 0, -1] };
   if (tilt === 0) return "straight in";
   const aside = unit(add(direction, inward, -dot(direction, inward)));
   const by_size = Object.keys(words).filter(word => dot(words[word], aside) > 0.38).sort((a, b) => dot(aside, words[b]) - dot(aside, words[a]));
-  return `${tilt}° off, ${by_size.join(" and ")}`;
+  return `tilted ${tilt}° ${by_size.join(" and ")}`;
 }
 
-/** "down" or "right, 20° up": the push of a place in words. */
+/** Direction of a place as text, in the plane "down" or "right, 20° up". */
 export function way_of(place) {
   if (is_solid()) return way_in_space(place);
   const [x, y] = place.direction;
@@ -42,10 +42,10 @@ export function way_of(place) {
   const tilt = Math.round(180 / Math.PI * Math.acos(clamp(dot([x, y], words[by_size[0]]), -1, 1)));
   return by_size[0] + (tilt ? `, ${tilt}° ${by_size[1]}` : "");
 }
-export const title = k => `${where(model.places[k]).side}, ${where(model.places[k]).text}, pushed ${way_of(model.places[k])}`;
+export const title = k => `${where(model.places[k]).side}, ${where(model.places[k]).text}, direction ${way_of(model.places[k])}`;
 
-/** What shares a contact: model.contacts, [{side, text, order, places}] in order; model.fans, by place the pushes at its
- *  contact by angle; model.apart_m, how close two contacts come. */
+/** Groups places by contact: model.contacts, [{side, text, order, places}] in order; model.fans, by place the
+ *  directions at its contact by angle; model.apart_m, the least distance between two contacts. */
 export function group_places() {
   const contacts = new Map();   // label -> {side, order, places}
   model.places.forEach((place, k) => {
@@ -55,7 +55,7 @@ export function group_places() {
   });
   model.contacts = [...contacts.values()].sort((a, b) => a.order - b.order);
   const at = model.contacts.map(contact => model.places[contact.places[0]].contact_m);
-  model.fans = new Map();   // by place: the pushes at its contact, by angle
+  model.fans = new Map();   // by place: the directions at its contact, by angle
   for (const { places } of model.contacts) {
     if (is_solid()) break;
     const sum = places.reduce((all, k) => add(all, model.places[k].direction), [0, 0]);
@@ -63,6 +63,6 @@ export function group_places() {
     const pushes = places.map(place => ({ place, angle: turn(from, model.places[place].direction) })).sort((a, b) => a.angle - b.angle);
     for (const k of places) model.fans.set(k, { from, pushes });
   }
-  model.apart_m = Infinity;   // for one
+  model.apart_m = Infinity;   // of a single contact
   at.forEach((p, i) => { for (let j = 0; j < i; j++) model.apart_m = Math.min(model.apart_m, norm(add(p, at[j], -1))); });
 }

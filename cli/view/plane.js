@@ -15,9 +15,9 @@ export const view = { low: [0, 0], high: [1, 1], scale: 1, left: 0, top: 0, lege
 export const to_screen = p => [view.left + view.scale * (p[0] - view.low[0]), view.top + view.scale * (view.high[1] - p[1])];
 export const to_plane = q => [view.low[0] + (q[0] - view.left) / view.scale, view.high[1] - (q[1] - view.top) / view.scale];
 
-export const aimed = { at: null };   // the contact at which a press would be, where the pointer is
+export const aimed = { at: null };   // the known contact that an indentation at the pointer would have
 
-/** Scale of the plane, and the stage's height for it. */
+/** Sets the scale of the plane, and the stage's height for it. */
 export function fit() {
   if (!model) return;
   const margin = 0.022, foot = 0.008;
@@ -31,13 +31,13 @@ export function fit() {
   look.stale = true;
 }
 
-/** What drawing needs beside what was sent. */
+/** Derives from the model message what drawing needs. */
 export function prepare_plane() {
   for (const mesh of model.meshes) {
     mesh.faces = faces(mesh);
     mesh.is_fixed = new Set(mesh.fixed);
   }
-  // lines as wide as the root of stiffness; where the median spring is 1 px, sorted into a few widths
+  // line widths: root of stiffness over the median, in px, rounded to a few widths
   const all = model.meshes.flatMap(mesh => mesh.stiffness_N_m).sort((a, b) => a - b), median = all[all.length >> 1] || 1;
   for (const mesh of model.meshes) {
     mesh.widths = new Map();
@@ -66,7 +66,8 @@ export function draw_stage() {
   draw_legend(c, width, height, view.scale, { surface: fe !== null }, { stiffest: shows_learned() ? Math.exp(model.learned.span) : 0 });
 }
 
-/** How stiff each place has turned out; a ring at a node is as large as that is unsure, a third of a spacing for a factor of e. */
+/** Draws the stiffness factor at each place. The radius of a node's ring is the standard deviation of the factor's
+ *  logarithm in thirds of a spacing, 1 at most. */
 function draw_learned(c, mesh, at) {
   const { factor, sd, span } = model.learned;
   for (const [i, j, k] of mesh.faces) {
@@ -89,7 +90,7 @@ function draw_mesh(c, mesh, m, narrow) {
   const at = state ? mesh.nodes_m.map((_, i) => to_screen(node(m, i))) : rest;
   const moved = at.map((p, i) => Math.hypot(p[0] - rest[i][0], p[1] - rest[i][1]) / view.scale / model.deepest_m);
 
-  // displacement is linear over a triangle, so is its colour along the gradient
+  // displacement is linear over a triangle, so its colour varies along the gradient
   c.lineWidth = 0.7;
   if (m === LEARNED && shows_learned()) draw_learned(c, mesh, at);
   else for (const [i, j, k] of mesh.faces) {
@@ -123,7 +124,7 @@ function draw_mesh(c, mesh, m, narrow) {
     c.stroke();
   }
 
-  // rest, dashed; the outline now, in the mesh's own colour
+  // the outline at rest, dashed; the present outline in the mesh's own colour
   c.setLineDash([4, 3]);
   c.strokeStyle = colours.soft;
   c.lineWidth = 1;
@@ -135,7 +136,7 @@ function draw_mesh(c, mesh, m, narrow) {
   trace(c, mesh.outline.map(i => at[i]));
   c.stroke();
 
-  // what is held: a bar, hatched on the side away from the tissue
+  // fixed sides: a bar, hatched on the side away from the tissue
   c.strokeStyle = colours.ink;
   mesh.outline.forEach((i, k) => {
     const j = mesh.outline[(k + 1) % mesh.outline.length];
@@ -164,7 +165,7 @@ function draw_mesh(c, mesh, m, narrow) {
   c.fillText(mesh.name, middle, 17);
 }
 
-/** Contacts that FE have solved, as dots on both outlines at rest; the closer they lie, the smaller. */
+/** Draws the known contacts as dots on both outlines at rest; dots are smaller where contacts are closer. */
 function draw_marks(c) {
   const gap = model.apart_m * view.scale, radius = clamp(gap / 7, 0.6, 2);
   c.fillStyle = gap < 14 ? colours.soft : colours.ink;
@@ -177,7 +178,7 @@ function draw_marks(c) {
     }
 }
 
-/** Where a press would be. */
+/** Marks the contact that an indentation would have. */
 function draw_aimed(c) {
   if (!aimed.at || leading() || !is_open()) return;
   const [x, y] = to_screen(aimed.at);
@@ -190,7 +191,7 @@ function draw_aimed(c) {
   }
 }
 
-/** The push that would tell a model that learns most: an open arrow onto its surface. */
+/** Draws the most informative next indentation, for a model that learns, as an open arrow onto its surface. */
 function draw_next(c) {
   if (!model.next || !shows_learned()) return;
   const { contact_m, push_m } = model.next, tip = to_screen(add(contact_m, apart(LEARNED))), back = norm(push_m);
@@ -204,7 +205,7 @@ function draw_next(c) {
   c.stroke();
 }
 
-/** Where a tool's contact is on each mesh now; of the second on the learned one alone. */
+/** Present positions of a tool's contact on each mesh. A second tool has only the learned mesh. */
 const contacts = tool => model.meshes.map((_, m) => add(add(contact_at_rest(tool), apart(m)), tool === 0 ? vector(IN.moved + 2 * m) : vector_of(tool, "moved")));
 
 function draw_forces(c, tool) {
@@ -216,7 +217,7 @@ function draw_forces(c, tool) {
   });
 }
 
-/** Which tool it is, beside its diamond. */
+/** Draws the number of a tool beside its diamond. */
 function number(c, k, [x, y]) {
   c.font = font(13, "600");
   c.textAlign = "left";
@@ -244,7 +245,7 @@ function draw_diamond(c, tool) {
   };
   if (state) {
     const master = vector_of(tool, "master"), proxy = pressed ? vector_of(tool, "proxy") : master;
-    if (pressed) {   // the hand, a little deeper than the tool: the spring between them is the force
+    if (pressed) {   // the hand is a little deeper than the tool; the spring between them gives the force
       const [a, b] = [to_screen(proxy), to_screen(master)];
       c.strokeStyle = "#ffffff";
       c.lineWidth = 1.5;

@@ -23,7 +23,7 @@ stage.addEventListener("pointermove", event => {
   aim_at(!leading() && is_open() && event.pointerType !== "touch" ? would_press(null, in_plane(event)) : null);
 });
 stage.addEventListener("pointerleave", () => aim_at(null));
-/** Marks the contact at which a press would be. */
+/** Marks the known contact that an indentation would have. */
 function aim_at(press) {
   const at = press && press.known ? press.contact : null;
   if (!at && !aimed.at) return;
@@ -34,7 +34,7 @@ for (const name of ["pointerup", "pointercancel", "lostpointercapture"])
   stage.addEventListener(name, event => end_hold(led_by(event.pointerId)));
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-/** The hand that the keyboard leads, or would: its diamond begins before the contact of the demo, outside. */
+/** The hand that the keyboard leads or would lead. Its diamond starts outside, 8 mm before the demo's first contact. */
 function keyed_hand() {
   const hand = led_by("keys") || next_hand() || hands[0];
   if (model && !hand.at) {
@@ -54,9 +54,9 @@ stage.addEventListener("keydown", event => {
     hand.pointer = [clamp(to[0], view.low[0], view.high[0]), clamp(to[1], view.low[1], view.high[1])];
     if (!hand.down) hand.at = hand.pointer;
   } else if (event.key === " " || event.key === "Enter") {
-    if (event.repeat) { /* one press, one change */ }
+    if (event.repeat) { /* one change per key press */ }
     else if (led_by("keys")) end_hold(hand);
-    else if (stays(hand)) hand.by = "keys";   // taken up again where it is
+    else if (stays(hand)) hand.by = "keys";   // led again from its position
     else if (hand.down) let_go(hand);
     else take_hold(hand.pointer, "keys", hand);
   } else if (!arrow) return;

@@ -6,7 +6,7 @@ import { IN, LEARNED, WINDOW, model, relaxes, samples, state } from "./state.js"
 import { largest } from "./vectors.js";
 import { $, unit_of } from "./words.js";
 
-/** Frame, grid, ticks and labels; returns the map of a plot's units to pixels. */
+/** Draws frame, grid, ticks and labels; returns the map of a plot's units to pixels. */
 function axes(c, width, height, x, y) {
   const box = { left: 46, top: 20, right: width - 12, bottom: height - 36 };
   const X = v => box.left + (box.right - box.left) * (v - x.low) / (x.high - x.low);
@@ -57,7 +57,7 @@ export function line(c, points) {
   c.stroke();
 }
 
-/** The samples of the press that goes on, or of the last one. */
+/** The samples of the present indentation, or of the last one. */
 function last_press() {
   let to = samples.length;
   while (to > 0 && !samples[to - 1].pressed) to--;
@@ -76,13 +76,13 @@ export function draw_depth_plot(comparable) {
   const deepest = largest(meshes.flat().map(p => p[0]), model.deepest_m);
   const most = largest([...curve, ...meshes[LEARNED]].map(p => p[1]), curve.length ? 1e-4 : Math.max(1e-4, model.strongest_N));
   const mm = nice(1e3 * deepest, 5);
-  const { X, Y, box } = axes(c, width, height, { low: 0, high: mm.top * 1e-3, step: mm.step * 1e-3, scale: 1e3, label: "depth along the push (mm)" },
+  const { X, Y, box } = axes(c, width, height, { low: 0, high: mm.top * 1e-3, step: mm.step * 1e-3, scale: 1e3, label: "depth along the displacement (mm)" },
                              force_axis(most * 1.04));
   c.save();
   c.beginPath();
   c.rect(box.left - 5, box.top - 5, box.right - box.left + 10, box.bottom - box.top + 10);
   c.clip();
-  // FE: what was solved as dots; faint while the contact is not the one that was solved
+  // FE curve with dots at the FE depths; faint while it is not comparable
   c.globalAlpha = comparable ? 1 : 0.3;
   c.strokeStyle = c.fillStyle = colours.fe;
   c.lineWidth = 3;
@@ -100,7 +100,7 @@ export function draw_depth_plot(comparable) {
     else c.rect(x - 0.86 * size, y - 0.86 * size, 1.72 * size, 1.72 * size);
     c.fill();
   };
-  c.globalAlpha = 0.7;   // the way here, with the tissue's ripples
+  c.globalAlpha = 0.7;   // the history of this indentation, with oscillations
   meshes.forEach((points, m) => {
     c.strokeStyle = m === LEARNED ? colours.learned : colours.heuristic;
     c.lineWidth = 1.4;
@@ -125,7 +125,7 @@ export function draw_depth_plot(comparable) {
   }
   c.restore();
   // key
-  const names = [...model.meshes.map(mesh => mesh.name), relaxes() ? "finite elements, at once" : "finite elements"];
+  const names = [...model.meshes.map(mesh => mesh.name), relaxes() ? "FE, instantaneous" : "FE reference"];
   c.font = font(12);
   c.textAlign = "left";
   c.textBaseline = "middle";
@@ -147,10 +147,10 @@ export function draw_time_plot() {
   const { c, width, height } = begin($("time_plot"));
   if (!model) return;
   const now = state ? state.v[IN.time] : 0, shown = samples.filter(s => s.time >= now - WINDOW);
-  const along = s => s.pressed ? pushed(s, LEARNED)[1] : 0;   // the push: as finite elements' is
+  const along = s => s.pressed ? pushed(s, LEARNED)[1] : 0;   // the displacement, as the FE force
   const most = largest(shown.flatMap(s => [along(s), s.fe_N[LEARNED]]), Math.max(0.3 * model.strongest_N, 1e-4));
   const { X, Y, box } = axes(c, width, height, { low: -WINDOW, high: 0, step: 2, scale: 1, label: "time (s)" }, force_axis(most * 1.04));
-  const lines = [["finite elements", colours.fe, 3, s => s.fe_N[LEARNED]], ["learned", colours.learned, 1.8, along]];
+  const lines = [["FE reference", colours.fe, 3, s => s.fe_N[LEARNED]], ["learned", colours.learned, 1.8, along]];
   c.font = font(12);
   c.textAlign = "left";
   c.textBaseline = "middle";

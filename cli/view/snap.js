@@ -1,19 +1,22 @@
-// In the plane: a press that comes in close to a contact that finite elements have solved is one at it. It goes along the nearest push that
-// was solved there unless it is dragged another way, and so does a press farther off whose force is told beside the one at that contact.
-// In space a press is straight in unless it is tilted, and only the first is needed.
+// Snapping in the plane. An indentation that enters close to a known contact, which has an FE reference, moves to that
+// contact. It follows the nearest known direction there unless it is dragged to another one. So does an indentation
+// farther away, whose force is shown beside the FE force at that contact. In space only the first is needed, because an
+// indentation is straight in unless it is tilted.
 import { ASKEW, BETWEEN, FAR, NEAR, SNAP, apart, contact_at_rest, turn } from "./compare.js";
 import { own_hands } from "./hand.js";
 import { IN, control, model, pressed_by, state, vector_of } from "./state.js";
 import { add, clamp, dot, largest, norm, smallest, unit } from "./vectors.js";
 
-const FREE = 50;             // degrees off a push that was solved, from where on a push is as the pointer goes; nobody drags straight in
-const BEFORE = 0.001;        // m outside the contact, where the tool waits until it is there
-const THERE = 0.0015, COMING = 2000;   // m, and ms: it is, or does not come
-const PRESS = 0.02;          // m/s into the tissue, as the demo: tissue that is struck swings away, and is touched again beside the contact
-const STAYS = 0.03;          // s at rest there: a tool that leaves a press of the demo passes by in 6 ms
+// degrees from a known direction, from which on the pointer is followed; a drag is rarely straight in
+const FREE = 50;
+const BEFORE = 0.001;        // m outside the contact: there the page waits for the tool
+const THERE = 0.0015, COMING = 2000;   // m within which the tool has arrived; ms after which the wait ends
+// m/s into the tissue, as the demo; after an impact tissue oscillates and is touched beside the contact
+const PRESS = 0.02;
+const STAYS = 0.03;          // s at rest there; a tool that leaves an indentation of the demo passes within 6 ms
 
-// press of a hand: {mesh, contact: where the push begins, null when none is near; known: it is one that was solved; entry, pushes, since,
-//                   came: when the tool came there, out, ready}
+// press of a hand: {mesh, contact: start of the displacement, null if none is near; known: whether that is known;
+// entry; pushes: known directions; since; came: time of the tool's arrival; out; ready}
 
 const outline = mesh => mesh.outline.map((i, k) => [mesh.nodes_m[i], mesh.nodes_m[mesh.outline[(k + 1) % mesh.outline.length]]]);
 const cross = (a, b) => a[0] * b[1] - a[1] * b[0];
@@ -22,7 +25,7 @@ const cross = (a, b) => a[0] * b[1] - a[1] * b[0];
 const inside = (mesh, p) => outline(mesh).reduce((odd, [a, b]) =>
   (a[1] > p[1]) !== (b[1] > p[1]) && p[0] < a[0] + (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]) ? !odd : odd, false);
 
-/** Where the way from p to q first crosses a mesh's outline at rest; null where it does not. */
+/** The first crossing of the segment from p to q with a mesh's outline at rest; null without one. */
 function crossing(mesh, p, q) {
   const way = add(q, p, -1);
   let least = Infinity;
@@ -33,14 +36,14 @@ function crossing(mesh, p, q) {
   return least <= 1 ? add(p, way, least) : null;
 }
 
-/** Where a tool that is told to be inside comes in, as the server leads it: by the nearest side but the lower. */
+/** The point where the server leads a tool into a mesh to a point inside: on the nearest side except the lower one. */
 function way_in(mesh, p) {
   const far = 0.01, [x, y] = [0, 1].map(axis => mesh.nodes_m.map(at => at[axis])), low = smallest(x), high = largest(x), top = largest(y);
   const sides = [[p[0] - low, [low - far, p[1]]], [high - p[0], [high + far, p[1]]], [top - p[1], [p[0], top + far]]].sort((a, b) => a[0] - b[0]);
   return crossing(mesh, sides[0][1], p);
 }
 
-/** Where a press that ends at a point inside mesh m comes in along a push that was solved; null where none of them is near. */
+/** Entry point of an indentation along a known direction to a point inside mesh m; null if none is near. */
 function known_way_in(m, p) {
   let best = null, least = Infinity;
   for (const { contact_m, direction, depth_m } of model.places) {
@@ -51,7 +54,7 @@ function known_way_in(m, p) {
   return best;
 }
 
-/** Where a press that comes in at this point of mesh m is led: {contact, known, entry, pushes}, contact null when none is near. */
+/** The indentation that enters mesh m at this point, as a press of a hand; its contact is null if none is near. */
 function at_entry(m, entry) {
   let best = null, least = FAR;
   for (const { places } of model.contacts) {
@@ -61,7 +64,7 @@ function at_entry(m, entry) {
   return { contact: null, known: false, pushes: [], entry, mesh: m, ready: false, out: false, since: null, came: null, ...best };
 }
 
-/** Where a pointer would press: what at_entry() says, or null beside the tissue. */
+/** The indentation that a pointer would start, as in at_entry(); null beside the tissue. */
 export function would_press(from, p) {
   for (const [m, mesh] of model.meshes.entries()) {
     const entry = from && !inside(mesh, from) ? crossing(mesh, from, p) : inside(mesh, p) ? known_way_in(m, p) || way_in(mesh, p) : null;
@@ -70,8 +73,9 @@ export function would_press(from, p) {
   return null;
 }
 
-/** A push as it is led: along the nearest that was solved, and from FREE on as it comes; in between it goes over. Between two that were
- *  solved it is free sooner: it is compared there where they are close, and half-way the other one takes over. */
+/** The displacement of the tool for one of the pointer. Up to half an angle `free` from the nearest known direction it
+ *  follows that direction, from `free` on the pointer, with a linear transition. `free` is FREE, and less between two
+ *  known directions: half their gap at most, and 2 ASKEW at most where FE forces are interpolated between them. */
 function led(push, pushes) {
   const [nearest, ...others] = pushes.map(known => turn(known, push)).sort((a, b) => Math.abs(a) - Math.abs(b));
   const across = smallest(others.filter(off => off * nearest < 0).map(Math.abs)), gap = Math.abs(nearest) + across;
@@ -81,20 +85,21 @@ function led(push, pushes) {
   return [x * Math.cos(back) + y * Math.sin(back), y * Math.cos(back) - x * Math.sin(back)];
 }
 
-/** Where the push begins: where the tool has come upon the tissue, which may lie a little beside the known contact. */
+/** Start of the displacement: the tool's contact if that is within NEAR of the wanted one, else the wanted one. */
 function touched({ tool, press }) {
   const here = add(contact_at_rest(tool), apart(press.mesh));
   return norm(add(here, press.contact, -1)) <= NEAR ? here : press.contact;
 }
 
-/** Once a frame: from where the pointer of each hand is to where its tool shall be. */
+/** Once a frame: sets the target of each tool from the pointer of its hand. */
 export function lead_plane(now, frame_before) {
   for (const hand of own_hands()) if (hand.down) lead(hand, now, frame_before);
 }
 
 function lead(hand, now, frame_before) {
   const p = hand.pointer, touching = pressed_by(hand.tool) >= 0;
-  if (hand.press && !touching && !model.meshes.some(mesh => inside(mesh, p))) hand.press = null;   // out again: the next press is another one
+  // outside again: the next indentation is a new one
+  if (hand.press && !touching && !model.meshes.some(mesh => inside(mesh, p))) hand.press = null;
   hand.press = hand.press || would_press(hand.before, p);
   hand.before = p;
   const { press } = hand;
@@ -103,7 +108,8 @@ function lead(hand, now, frame_before) {
     const push = led(add(p, press.entry, -1), press.pushes), along = norm(push) > 1e-4 ? unit(push) : unit(press.pushes[0]);
     const wait = add(press.contact, along, -BEFORE);
     press.since = press.since ?? now;
-    press.out = press.out || state !== null && control.holders[hand.tool] === "you" && !touching;   // until then it is in the tissue where the demo pressed
+    // until then the tool is in the indentation of the demo
+    press.out = press.out || state !== null && control.holders[hand.tool] === "you" && !touching;
     const there = press.out && norm(add(vector_of(hand.tool, "master"), wait, -1)) < THERE;
     press.came = there ? press.came ?? state.v[IN.time] : null;
     press.ready = press.ready || press.out && touching || there && state.v[IN.time] - press.came > STAYS || now - press.since > COMING;

@@ -1,4 +1,4 @@
-// The stage of a model in space, drawn by WebGL: each mesh in its own window of one canvas, all seen from the same side.
+// The stage of a model in space, drawn by WebGL: each mesh in its own window of one canvas, all from one side.
 import * as THREE from "./three.module.js";
 import { Carried, fetch_carried } from "./carried.js";
 import { begin, colours, shade, warmth } from "./canvas.js";
@@ -15,10 +15,12 @@ import { add, clamp, norm, unit } from "./vectors.js";
 import { $, say } from "./words.js";
 
 export const stage = $("space");
-const FIELD = 26;                                    // degrees, of view
-const SEEN = 0.03;                                   // of the scale of colours: FE's surface is drawn where it has moved by more
+const FIELD = 26;                                    // field of view, degrees
+// of the colour scale: the FE surface is drawn where its displacement is larger
+const SEEN = 0.03;
 export const view = { azimuth: -62, elevation: 30, zoom: 1 };
-export const aim = { mesh: 0, at: null, inward: null };   // where the visitor points at the surface, at rest in the page's space
+// the point of the surface that the user points at, at rest in the page's space
+export const aim = { mesh: 0, at: null, inward: null };
 
 const renderer = new THREE.WebGLRenderer({ canvas: stage, antialias: true, alpha: true });
 renderer.autoClear = false;
@@ -27,14 +29,14 @@ const camera = new THREE.PerspectiveCamera(FIELD, 1, 0.001, 10);
 camera.up.set(0, 0, 1);
 const contrast = matchMedia("(prefers-contrast: more)");
 const ray = new THREE.Raycaster();
-let windows = [];                                    // one a mesh
+let windows = [];                                    // one per mesh
 let lost = false;
 
 stage.addEventListener("webglcontextlost", event => { event.preventDefault(); lost = true; });
 stage.addEventListener("webglcontextrestored", () => { lost = false; look.stale = true; });
 contrast.addEventListener("change", () => look.stale = true);
 
-/** The scales of colours as a texture, a row each: of displacement, and of stiffness. */
+/** The colour scales as a texture, with a row for displacement and one for stiffness. */
 const scale = (() => {
   const data = new Uint8Array(2 * 3 * 256);
   for (let k = 0; k < 256; k++)
@@ -75,7 +77,7 @@ function arrow_of(material) {
   group.visible = false;
   return group;
 }
-/** From where it begins to where it points; nothing when that is next to nothing. */
+/** Places an arrow between two points. It is hidden if it is shorter than 0.01 size. */
 function set_arrow(arrow, from, to, size) {
   const along = new THREE.Vector3(...add(to, from, -1)), length = along.length();
   arrow.visible = Number.isFinite(length) && length > 0.01 * size;
@@ -89,7 +91,7 @@ function set_arrow(arrow, from, to, size) {
   arrow.head.position.set(0, length - head / 2, 0);
 }
 
-/** What is held: the rim of its facets as a band below it, which goes with it where it lies on an elastic bed. */
+/** A band below the rim of the fixed facets. It moves with them where they lie on an elastic bed. */
 function band_of(surface, size) {
   const out = surface.normals.filter((_, f) => surface.held[f]).reduce((a, n) => add(a, n), [0, 0, 0]);
   const down = (norm(out) > 0 ? unit(out) : [0, 0, -1]).map(x => 0.035 * size * x);
@@ -120,7 +122,7 @@ function solid_of(surface, middle, size) {
   return solid;
 }
 
-/** The organ's own surface in each window, when it has come. */
+/** Adds the organ's own surface to each window once it is loaded. */
 async function take_carried() {
   const of = model;
   $("carried_row").hidden = true;
@@ -141,7 +143,7 @@ const update_solid = solid => { for (const name of ["position", "normal", "uv"])
 function make_window(mesh, m) {
   const surface = new Surface(mesh, model.deepest_m), scene = new THREE.Scene(), root = new THREE.Group();
   const low = model.box.low, high = model.box.high, middle = add(add(low, high).map(x => x / 2), apart(m));
-  const size = norm(add(high, low, -1)) / 2;                 // radius of what is drawn
+  const size = norm(add(high, low, -1)) / 2;                 // radius of the drawn mesh
   root.position.set(-middle[0], -middle[1], -middle[2]);
   scene.add(root);
   const sun = new THREE.DirectionalLight(0xffffff, 0.5);
@@ -155,7 +157,7 @@ function make_window(mesh, m) {
   rest.computeLineDistances();
   const held = new THREE.Mesh(band_of(surface, size), plain(1, { side: THREE.DoubleSide }));
 
-  const fe_wire = lines(surface.edges, surface.rest, flat(0.85));   // FE's surface
+  const fe_wire = lines(surface.edges, surface.rest, flat(0.85));   // FE surface
 
   const marks = new THREE.BufferGeometry();
   marks.setAttribute("position", new THREE.BufferAttribute(Float32Array.from(model.contacts.flatMap(contact => {
@@ -176,7 +178,8 @@ function make_window(mesh, m) {
            ring, nodule, errors, carried: null, fine: null, box: { left: 0, top: 0, width: 1, height: 1 } };
 }
 
-/** A tool as a window draws it: its body on the tissue, white or the second one grey, its force, and where it is while it touches nothing. */
+/** A tool as drawn in a window: its body on the tissue (white, the second tool grey), its force, and a mark at its
+ *  position without contact. */
 function drawn_tool(tool, size) {
   const { shape, radius_m: radius } = model.tool, ball = shape === "ball", thick = (ball ? 2 : 0.5) * radius;
   const colour = tool === 0 ? 0xffffff : 0x8d99a6;
@@ -186,7 +189,7 @@ function drawn_tool(tool, size) {
   return { tool, body, thick, force: arrow_of(plain(0.96, { depthTest: false })), idle: new THREE.Mesh(new THREE.OctahedronBufferGeometry(0.045 * size), plain(1)), contact: null, inward: null };
 }
 
-/** Another model. */
+/** Prepares the drawing of another model. */
 export function prepare_space() {
   for (const w of windows)
     w.scene.traverse(part => {
@@ -211,7 +214,7 @@ $("carried_wanted").addEventListener("change", () => { moved.fill(true); look.st
 
 export const narrow = () => stage.clientWidth < 520;
 
-/** Side by side, on a phone one below the other; and the canvas's height for it. */
+/** Arranges the windows side by side, or one below the other on a narrow screen, and sets the canvas's height. */
 export function fit_space() {
   const width = stage.parentElement.clientWidth, count = windows.length || 1, stacked = width < 520;
   const each = stacked ? width : width / count;
@@ -240,23 +243,24 @@ function look_at(w) {
   w.sun.position.copy(camera.position).normalize().addScaledVector(up, 0.9).addScaledVector(side, -0.6);
 }
 
-/** Right and up on the screen, where the tissue is. */
+/** The directions right and up of the screen, in the tissue's space. */
 export function screen_axes() {
   look_at(windows[0]);
   return [0, 1].map(k => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, k).toArray());
 }
 
-/** What moves with the tissue. */
+/** Updates the drawing from the nodes. */
 function follow_tissue(w) {
   if (!moved[w.m]) return;
   moved[w.m] = false;
   const { factor, span } = model.learned || {}, nodes = state ? state.nodes[w.m] : w.surface.rest;
   const stiffness = w.m === LEARNED && shows_learned() ? factor.map(f => Math.log(f) / span) : null;
-  w.surface.update(nodes, stiffness);   // it is touched though the other one is drawn
+  w.surface.update(nodes, stiffness);   // needed for touches even if the other surface is drawn
   w.held.geometry.lay(nodes);
   if (w.nodule && shows_nodule()) w.nodule.follow(nodes);
   const fine = w.fine !== null && $("carried_wanted").checked;
-  w.solid.material.visible = w.wire.visible = !fine;   // of a solid that is not visible itself three.js meets no ray
+  // the material, not the object: three.js casts no rays at invisible objects
+  w.solid.material.visible = w.wire.visible = !fine;
   if (w.fine) w.fine.visible = fine;
   if (fine) {
     w.carried.follow(nodes, stiffness);
@@ -267,7 +271,8 @@ function follow_tissue(w) {
   move_lines(w.wire, w.surface.edges, nodes);
 }
 
-/** The nodule is seen through the organ; dots of the error map have the scale of colours for themselves. */
+/** Shows nodule and error map on request. The organ is translucent around the nodule. Under the dots of the error map
+ *  it is grey, so that only the dots use the colour scale. */
 function show_requested(w) {
   const through = shows_nodule(), errors = shows_errors();
   if (w.nodule) w.nodule.drawn.visible = through;
@@ -303,7 +308,7 @@ function place_ring(w) {
   w.ring.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, -1), new THREE.Vector3(...aim.inward));
 }
 
-/** A tool's force on each mesh; of the first, and beside the learned mesh's, what FE say it is there. */
+/** Draws a tool's force on each mesh; for the first tool also the FE force, beside that on the learned mesh. */
 function place_forces(w, t, comparable) {
   t.force.visible = false;
   if (t.tool === 0) w.fe_force.visible = false;
@@ -337,7 +342,7 @@ function colour(w) {
 }
 
 let fe_drawn = null;
-/** FE's surface as it is drawn, in the page's space; null without, or when the visitor wants none of it. */
+/** The FE surface as drawn, in the page's space; null without one, or if the user has switched it off. */
 export const fe_shown = () => fe_drawn;
 
 export function draw_space(comparable) {
@@ -382,7 +387,8 @@ const pixels_a_metre = () => windows[0].box.height / (1.9 * windows[0].size) * v
 const window_at = (x, y) => windows.find(({ box }) => x >= box.left && x < box.left + box.width && y >= box.top && y < box.top + box.height);
 const in_window = ({ box }, x, y) => new THREE.Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height);
 
-/** Where a pointer touches a solid: {mesh, at: on the surface at rest, inward}, in the page's space; null beside them. */
+/** The point of a solid under the pointer: {mesh, at: on the surface at rest, inward}, in the page's space; null beside
+ *  the solids and on fixed facets. */
 export function touched(x, y) {
   const w = window_at(x, y);
   if (!w) return null;
@@ -399,7 +405,7 @@ export function touched(x, y) {
   return { mesh: w.m, at, inward: w.surface.normals[hit.faceIndex].map(x => -x) };
 }
 
-/** Of a point near one of the meshes: pixels in the canvas. */
+/** Pixels in the canvas of a point near one of the meshes. */
 export function space_to_screen(point) {
   const w = windows.reduce((best, o) => norm(add(point, o.middle, -1)) < norm(add(point, best.middle, -1)) ? o : best);
   look_at(w);

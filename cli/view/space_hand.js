@@ -1,4 +1,4 @@
-// Pointer and keyboard in space: press where a solid is touched, turn and zoom beside it.
+// Pointer and keyboard in space: indentation on a solid, turning and zooming beside it.
 import { SNAP, apart } from "./compare.js";
 import { shows_errors, spot_at, tell_error } from "./errors.js";
 import { end_hold, leading, led_by, let_all_go, let_go, next_hand, own_hands, stays, take_hold } from "./hand.js";
@@ -8,35 +8,42 @@ import { is_open } from "./transport.js";
 import { add, clamp, cross, dot, norm, unit } from "./vectors.js";
 import { $, millimetres } from "./words.js";
 
-const INSET = 0.0003;        // m: the tool is on the tissue, not beside it
+const INSET = 0.0003;        // m below the surface, so that the tool touches the tissue
 const PRESS = 0.03;          // m/s, into the tissue
-const COMING = 2000;         // ms that the tool is waited for
-const STEEPEST = 60;         // degrees off the inward normal
-const TILT = 0.35, TURN = 0.4;   // degrees a pixel
-const NOTCH = 0.0005;        // m of depth, by wheel and keys
+const COMING = 2000;         // ms, longest wait for the tool
+const STEEPEST = 60;         // degrees, largest angle from the inward normal
+const TILT = 0.35, TURN = 0.4;   // degrees per pixel
+const NOTCH = 0.0005;        // m, step of depth by wheel and keys
 
-// press of a hand: {mesh, contact, inward, direction, depth: now, wanted: by the slider, begun, arrived, from}
-let turning = null;          // {by, x, y}
+// press of a hand: {mesh, contact, inward, direction, depth: present, wanted: by the slider, begun, arrived, from}
+let turning = null;          // {by, at}
 const fingers = new Map();   // on the canvas: pointerId -> [x, y]
-let pinching = false, spread = 0;   // two of them zoom; they are so many pixels apart, 0: not known yet
+let pinching = false, spread = 0;   // whether two of them zoom; their distance in pixels, 0: not known yet
 
 const deepest = () => model.deepest_m;
 const wanted = () => Number($("depth").value) / 1e3;
 
 export function show_depth() {
   $("depth").max = 1e3 * deepest();
+  set_lowest();
   $("depth").value = Math.round(600 * deepest() / 0.5) * 0.5;
   say_depth();
 }
+/** A tool that grasps lifts too: its depth may be below zero. */
+function set_lowest() {
+  $("depth").min = $("grasp").checked ? -1e3 * deepest() : 0;
+  say_depth();
+}
+$("grasp").addEventListener("change", () => { if (model) set_lowest(); });
 const say_depth = () => { $("depth_now").textContent = millimetres(wanted()); };
 function set_depth(depth) {
-  $("depth").value = clamp(1e3 * depth, 0, 1e3 * deepest());
+  $("depth").value = clamp(1e3 * depth, Number($("depth").min), 1e3 * deepest());
   say_depth();
 }
 $("depth").addEventListener("input", say_depth);
 $("fe_wanted").addEventListener("change", () => { look.stale = true; });
 
-/** At a contact that FE have solved, when there is one so close. */
+/** The nearest known contact within SNAP of a touch, else the touch. */
 function snapped(touch) {
   let best = null, least = SNAP;
   for (const { contact_m, inward } of model.places) {
@@ -53,7 +60,7 @@ function begin_press(touch, by, direction = touch.inward, from = null) {
   return true;
 }
 
-/** Once a frame: each tool goes on until it is as deep as it shall be; one that stays in the tissue stays as deep as it was. */
+/** Once a frame: moves each tool towards its depth. A tool that stays in the tissue keeps its depth. */
 export function lead(now, before) {
   for (const hand of own_hands()) if (hand.press) go_on(hand, now, before);
 }
@@ -61,7 +68,7 @@ export function lead(now, before) {
 function go_on(hand, now, before) {
   const { press } = hand;
   press.begun = press.begun || now;
-  press.out = press.out || pressed_by(hand.tool) < 0;   // until then it is where it pressed before
+  press.out = press.out || pressed_by(hand.tool) < 0;   // until then it is in its previous indentation
   press.arrived = press.arrived || press.out && pressed_by(hand.tool) === press.mesh || now - press.begun > COMING;
   if (!stays(hand) || press.wanted === null) press.wanted = wanted();
   const step = PRESS * clamp((now - before) / 1e3, 0, 0.05), goal = press.arrived ? press.wanted : 0;
@@ -70,7 +77,7 @@ function go_on(hand, now, before) {
   if (norm(add(at, hand.at, -1)) > 1e-6) hand.at = at;
 }
 
-/** Tilts a push from a direction by so many pixels to the right and down. */
+/** Tilts a direction of an indentation by a drag of dx pixels to the right and dy down. */
 function tilted(press, from, dx, dy) {
   const [right, up] = screen_axes(), aside = [0, 1, 2].map(k => right[k] * dx - up[k] * dy), { inward } = press;
   const along = add(aside, inward, -dot(aside, inward));
@@ -106,7 +113,7 @@ stage.addEventListener("pointerdown", event => {
   fingers.set(event.pointerId, at);
   stage.setPointerCapture(event.pointerId);
   const touch = touched(...at), first = own_hands().find(hand => hand.down && fingers.has(hand.by));
-  if (fingers.size === 2 && !(touch && first && next_hand())) {   // two fingers zoom, whatever the first began; but where they lead a tool each
+  if (fingers.size === 2 && !(touch && first && next_hand())) {   // two fingers zoom, unless each leads a tool
     let_go(first);
     turning = null;
     pinching = true;
@@ -156,7 +163,7 @@ stage.addEventListener("wheel", event => {
   else zoom(Math.exp(-0.0015 * clamp(event.deltaY, -200, 200)));
 }, { passive: false });
 
-/** Where the keyboard presses: at the contact and with the push that the lists name, or where the demo begins. */
+/** Contact and direction for the keyboard: those chosen in the lists, or those where the demo starts. */
 function chosen() {
   const k = Number($("way").value), place = model.places[k >= 0 ? k : Math.max(0, model.demo)];
   return place && { mesh: LEARNED, at: place.contact_m, inward: place.inward, direction: place.direction };
@@ -177,7 +184,7 @@ stage.addEventListener("keydown", event => {
   else if (event.key === "PageUp") set_depth(wanted() - NOTCH);
   else if (event.key === "PageDown") set_depth(wanted() + NOTCH);
   else if (event.key === " " || event.key === "Enter") {
-    if (event.repeat) { /* one press, one change */ }
+    if (event.repeat) { /* one change per key press */ }
     else if (led_by("keys")) end_hold(led_by("keys"));
     else if (model.tools < 2 && leading()) let_all_go();
     else if (next_hand()) {
@@ -191,7 +198,7 @@ stage.addEventListener("keydown", event => {
   event.preventDefault();
 });
 
-/** The push of the first tool that presses, as it stands: for those who look on. */
+/** The present indentation of the first tool that has one, for window.tissue. */
 export function pressing() {
   const hand = own_hands().find(one => one.press);
   return hand && { contact_m: [...hand.press.contact], direction: [...hand.press.direction], inward: [...hand.press.inward], depth_m: hand.press.depth };

@@ -1,12 +1,12 @@
-// The closed surface of a mesh in space as it is drawn: nodes part at creases, so that it is smooth between them alone.
+// The closed surface of a mesh in space as drawn. Nodes are split at creases; shading is smooth elsewhere.
 import { clamp, cross, dot, norm } from "./vectors.js";
 
-const CREASE = Math.cos(40 * Math.PI / 180);   // facets that turn by more do not share a normal
+const CREASE = Math.cos(40 * Math.PI / 180);   // facets at a larger angle do not share a normal
 
 const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 
 export class Surface {
-  /** mesh: nodes_m [[x, y, z]] at rest, facets [[i, j, k]] with their normals out, fixed [node]. */
+  /** mesh: nodes_m [[x, y, z]] at rest, facets [[i, j, k]] with outward normals, fixed [node]. */
   constructor(mesh, deepest_m) {
     this.deepest_m = deepest_m;
     this.rest = Float32Array.from(mesh.nodes_m.flat());
@@ -21,11 +21,12 @@ export class Surface {
     this.find_edges();
     this.position = new Float32Array(3 * this.node_of.length);
     this.normal = new Float32Array(3 * this.node_of.length);
-    this.shade = new Float32Array(2 * this.node_of.length);   // where its colour is on the scale, as a texture's u, v
+    // position on the colour scale, as texture coordinates u, v
+    this.shade = new Float32Array(2 * this.node_of.length);
     this.update(this.rest);
   }
 
-  /** node_of: the node of each point that is drawn; corners: three points a facet. */
+  /** Sets node_of, the node of each drawn point, and corners, three points per facet. */
   part_nodes() {
     const around = Array.from({ length: this.rest.length / 3 }, () => []);
     this.facets.forEach((facet, f) => facet.forEach(i => around[i].push(f)));
@@ -45,7 +46,7 @@ export class Surface {
     });
   }
 
-  /** Node pairs: all sides of facets, those at creases, those around what is held. */
+  /** Sets node pairs: edges, all sides of facets; creases; rim, those around the fixed facets. */
   find_edges() {
     const sides = new Map();
     this.facets.forEach((facet, f) => facet.forEach((i, k) => {
@@ -59,8 +60,8 @@ export class Surface {
     this.rim = all.filter(({ facets: [f, g] }) => g !== undefined && this.held[f] !== this.held[g]).map(side => side.pair);
   }
 
-  /** nodes: x, y, z of every node now. Points, normals and colours follow: of displacement, the lower row of the scale; or of stiffness,
-   * from -1 to 1 a node, the upper one. */
+  /** Updates points, normals and colours. nodes: present x, y, z of every node. Colours are of displacement, the lower
+   * row of the scale; or of stiffness, from -1 to 1 per node, the upper row. */
   update(nodes, stiffness = null) {
     const { position, normal, shade, node_of, corners, rest } = this;
     for (let p = 0; p < node_of.length; p++) {
@@ -77,7 +78,8 @@ export class Surface {
       const i = 3 * corners[c], j = 3 * corners[c + 1], k = 3 * corners[c + 2];
       const ax = position[j] - position[i], ay = position[j + 1] - position[i + 1], az = position[j + 2] - position[i + 2];
       const bx = position[k] - position[i], by = position[k + 1] - position[i + 1], bz = position[k + 2] - position[i + 2];
-      const nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;   // as long as the facet is large
+      // its length is twice the area of the facet
+      const nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
       for (const p of [i, j, k]) {
         normal[p] += nx;
         normal[p + 1] += ny;
@@ -92,19 +94,20 @@ export class Surface {
     }
   }
 
-  /** How far the point that is farthest from rest has moved, m. */
+  /** Largest displacement of a point, m. */
   farthest_m() {
     return this.node_of.reduce((most, i, p) => Math.max(most, Math.hypot(...[0, 1, 2].map(a => this.position[3 * p + a] - this.rest[3 * i + a]))), 0);
   }
 
-  /** Unit normal into the tissue at rest, at a point of the surface at rest: of the nearest facet. */
+  /** Unit normal into the tissue at a point of the surface, both at rest: that of the nearest free facet. */
   inward_at(point) {
     let best = Infinity, inward = [0, 0, -1];
     this.facets.forEach(([i, j, k], f) => {
       if (this.held[f]) return;
       const at = a => (this.rest[3 * i + a] + this.rest[3 * j + a] + this.rest[3 * k + a]) / 3 - point[a];
       const n = this.normals[f], off = at(0) * n[0] + at(1) * n[1] + at(2) * n[2];
-      const distance = at(0) ** 2 + at(1) ** 2 + at(2) ** 2 + 8 * off ** 2;   // one that it does not lie in is farther away
+      // distance from the facet's plane counts more
+      const distance = at(0) ** 2 + at(1) ** 2 + at(2) ** 2 + 8 * off ** 2;
       if (distance < best) [best, inward] = [distance, n.map(x => -x)];
     });
     return inward;

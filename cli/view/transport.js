@@ -1,13 +1,13 @@
-// The connection: one WebSocket, made again when it is lost. What comes and what changes is `listener`'s:
-// text(message), state(buffer), lost(), changed().
+// The connection: one WebSocket, which is opened again after it is lost. It calls text(message), state(buffer), lost()
+// and changed() of `listener`.
 import { model } from "./state.js";
 
 export const socket = { at: null, tries: 0, again: null, reason: "" };
 
-const QUIET = 6;   // looks, one a second: a server that has said nothing for so long is lost, though nobody closed the connection
+const QUIET = 6;   // checks, one a second: after this many without a message the connection counts as lost
 
 let listener = null;
-let quiet = 0;     // looks in a row without a word; a browser that was busy itself looks once after it
+let quiet = 0;     // successive checks without a message; a browser that was busy checks only once afterwards
 
 export function connect(to = listener) {
   listener = to;
@@ -37,7 +37,7 @@ export function connect(to = listener) {
   };
 }
 
-/** The connection is none any more; after a while another one is tried. */
+/** Drops the connection, and opens another one after a delay. */
 function lose() {
   socket.at = null;
   const wait = Math.min(0.5 * 2 ** socket.tries++, 8);   // s
@@ -53,18 +53,18 @@ setInterval(() => {
   silent.close();
 }, 1000);
 
-/** Who comes back to the page, or to the network, does not wait. */
+/** Reconnects at once when the page becomes visible or the network returns. */
 const now = () => { if (listener && socket.at === null && !document.hidden) connect(); };
 addEventListener("online", now);
 document.addEventListener("visibilitychange", now);
 
-/** A WebSocket that is not let in learns no reason; a plain request does. */
+/** Asks for the reason of a refusal by a plain request: a refused WebSocket gets none. */
 async function ask_why() {
   try {
     const answer = await fetch("healthz", { signal: AbortSignal.timeout(1e3 * QUIET) });
     socket.reason = answer.ok ? "no more pages may connect at the moment" : (await answer.text()).trim();
   } catch {
-    // nobody there: what was said last still holds
+    // no server: the last reason stays
   }
   listener.changed();
 }

@@ -15,14 +15,17 @@
 namespace tissue {
 namespace {
 
-constexpr std::size_t window = 10;        // readings whose chi2 is watched
-constexpr double suspicious = 3;          // mean chi2 over D of them: three times what noise explains
-constexpr int another_tissue = 4;         // gated in a row
-// of the field over its rival, log: one reading that a single scale cannot have made is enough for the field, however many agreed before
-constexpr double first_evidence = 1, least_evidence = -4, most_evidence = 10, most_of_one = 5;  // one poke says nothing of the rest of the tissue
-constexpr double straight = 0.03;         // a step in log stiffness over which force is a line: the next one would be a thousandth
+constexpr std::size_t window = 10;        // number of measurements whose mean chi2 is monitored
+constexpr double suspicious = 3;          // mean chi2 / D with a warning: three times the value explained by noise
+constexpr int another_tissue = 4;         // gated measurements in a row with a warning
+// Evidence: log likelihood ratio of field over uniform scale. It starts above 0, because one measurement has no
+// information on the rest of the tissue. most_of_one + least_evidence > 0: one measurement that a uniform scale cannot
+// explain selects the field, however many agreed with the scale before.
+constexpr double first_evidence = 1, least_evidence = -4, most_evidence = 10, most_of_one = 5;
+// Step in log stiffness over which force is linear; the next step would be 0.001
+constexpr double straight = 0.03;
 
-/// Angle from one direction to another as a vector across the first; one that points the other way has none.
+/// Angle [rad] from one direction to another, as a vector orthogonal to the first. Zero for opposite directions.
 Point turn(const Point& from, const Point& to) {
     const Point a = from.normalized(), b = to.normalized();
     const Point across = b - a.dot(b) * a;
@@ -30,14 +33,14 @@ Point turn(const Point& from, const Point& to) {
     return sine > 0 ? Point(across * (std::atan2(sine, a.dot(b)) / sine)) : Point(Point::Zero(from.size()));
 }
 
-/// r: how far a force is from what was expected, over its size.
+/// Innovation r of a measured force: log ratio of the sizes along the expected force, and angle across it (D).
 Point off(const Point& expected_N, const Point& force_N) {
     return expected_N.normalized() * std::log(force_N.norm() / expected_N.norm()) + turn(expected_N, force_N);
 }
 
-/// A reading is noise to per cents: no force is wanted to 1e-10 of it, at once rather than in short steps.
-PressOptions quick() {
-    PressOptions options;
+/// Faster solver options: measurements have noise of per cents, so no tolerance of 1e-10 and no short load steps.
+SolverOptions quick() {
+    SolverOptions options;
     options.load_step = 2;
     options.tolerance = 1e-6;
     return options;
@@ -45,13 +48,13 @@ PressOptions quick() {
 
 }  // namespace
 
-const char* to_string(PokeStatus status) {
+const char* to_string(UpdateStatus status) {
     switch (status) {
-        case PokeStatus::learned:
+        case UpdateStatus::learned:
             return "learned";
-        case PokeStatus::gated:
+        case UpdateStatus::gated:
             return "gated";
-        case PokeStatus::refused:
+        case UpdateStatus::refused:
             return "refused";
     }
     return "unknown";
@@ -62,13 +65,13 @@ void check(const AdaptOptions& o) {
         const char* name;
         double value, least, most;
     };
-    for (const Range& r : {Range{"noise of a force", o.force_noise, 0, 0.5}, Range{"error of the model", o.model_error, 0.001, 0.5}, Range{"error of a contact's place [m]", o.place_error_m, 0, 0.05}})
+    for (const Range& r : {Range{"relative standard deviation of the force", o.force_noise, 0, 0.5}, Range{"relative standard deviation of the model error", o.model_error, 0.001, 0.5}, Range{"standard deviation of the contact's place [m]", o.place_error_m, 0, 0.05}})
         if (!(r.value >= r.least && r.value <= r.most)) throw MismatchError(fmt::format("the {} is {:g}, must be from {:g} to {:g}", r.name, r.value, r.least, r.most));
 }
 
 Adaptation::Adaptation(const TissueModel& base, const AdaptOptions& options)
     : base_(base), options_((check(options), options)), unknowns_(make_unknowns(base_, options.unknowns, options.prior)), surface_(base_.mesh),
-      energy_(base_.mesh, *base_.energy_law), kernel_(make_contact_kernel(base_.mesh, *base_.energy_law)),
+      energy_(base_.mesh, *base_.energy_model), kernel_(make_contact_kernel(base_.mesh, *base_.energy_model)),
       solver_(energy_, *kernel_, quick()), gate_(gsl_cdf_chisq_Pinv(options.gate, base_.mesh.dimension())) {
     forget();
 }
@@ -83,46 +86,46 @@ void Adaptation::forget() {
 
 void Adaptation::restore(State state) {
     if (state.x.size() != unknowns_.size() || state.P.rows() != unknowns_.size() || state.P.cols() != unknowns_.size())
-        throw MismatchError(fmt::format("what was learned has {} unknowns, unknowns '{}' of this model are {}", state.x.size(), unknowns_.kind, unknowns_.size()));
+        throw MismatchError(fmt::format("the adapted state has {} unknowns, unknowns '{}' of this model are {}", state.x.size(), unknowns_.kind, unknowns_.size()));
     state_ = std::move(state);
 }
 
 TissueModel Adaptation::model() const {
     TissueModel now = base_;
-    now.energy_law = law();
-    now.contact_force_N.resize(0, now.contact_force_N.cols());  // FE's, of the tissue that was trained on
-    // the heuristic beside it is (7) with E2 as it has become, or it would give way under the same force as nothing there does
+    now.energy_model = law();
+    now.contact_force_N.resize(0, now.contact_force_N.cols());  // FE forces belong to the training tissue
+    // The heuristic springs are (7) with the adapted E2, so that both meshes have the stiffness of the target tissue.
     const Eigen::ArrayXd stiffer = Eigen::VectorXd(unknowns_.by_constant * x()).head(now.mesh.spring_count()).array().exp();
     now.heuristic_a.array() *= stiffer;
     now.heuristic_b.array() *= stiffer;
     return now;
 }
 
-Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const PressState* from) {
+Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from) {
     Linear linear;
     press(contact_m, push_m, x, from, &linear);
     return linear;
 }
 
-/// The rest at a push, and where one asks for it what it depends on.
-PressState Adaptation::press(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const PressState* from, Linear* wanted) {
-    LawModel now = with_unknowns(*base_.energy_law, unknowns_, x);
+/// Equilibrium at a tool displacement with the unknowns x; into `wanted`, if given, also dF/dx. from: start state.
+EquilibriumState Adaptation::press(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from, Linear* wanted) {
+    EnergyModel now = with_unknowns(*base_.energy_model, unknowns_, x);
     if (options_.at_rest && !now.relaxation.empty()) now = long_term(now);
     kernel_->scale(now.contact_log_scale);
     const ContactSpring contact(kernel_->rows_at(contact_m), now.patch);
-    const PressState rest = solver_.press(now.constants, contact, push_m, from);
+    const EquilibriumState rest = solver_.press(now.constants, contact, push_m, from);
     if (!wanted) return rest;
     Linear& linear = *wanted;
     linear.rest = rest;
-    if (rest.status == PressStatus::lost) return rest;
+    if (rest.status == SolverStatus::no_equilibrium) return rest;
     const ForceDerivative by = solver_.force_derivative();
     linear.by_x = Eigen::MatrixXd(by.by_constant * now.constants.asDiagonal()) * unknowns_.by_constant;
     const ContactRows& rows = contact.rows;
     Eigen::RowVectorXd scale = Eigen::RowVectorXd::Zero(unknowns_.size());
     for (std::size_t i = 0; i < rows.nodes.size(); ++i) scale += rows.mean[static_cast<Eigen::Index>(i)] * unknowns_.by_node.row(rows.nodes[i]);
-    for (Eigen::Index m = 0; m < by.by_law_row.cols(); ++m) {
-        const Point force = by.by_law_row.col(m) * contact.law_value[m];
-        linear.by_x += (PatchLaw::scaled(m, 2) > 1 ? 1 : -1) * force * scale;
+    for (Eigen::Index m = 0; m < by.by_parameter_row.cols(); ++m) {
+        const Point force = by.by_parameter_row.col(m) * contact.parameter_value[m];
+        linear.by_x += (ContactParameters::scaled(m, 2) > 1 ? 1 : -1) * force * scale;
         for (std::size_t p = 0; p < unknowns_.by_patch.size(); ++p)
             linear.by_x.col(static_cast<Eigen::Index>(p)) += force * unknowns_.by_patch[p].row(m).dot(rows.factors);
     }
@@ -130,20 +133,20 @@ PressState Adaptation::press(const Point& contact_m, const Point& push_m, const 
 }
 
 Expected Adaptation::expect(const Point& contact_m, const Point& push_m) {
-    if (const std::string why = push_refusal(base_.mesh, surface_, contact_m, push_m, options_.off_surface_m); !why.empty()) throw MismatchError("the push " + why);
+    if (const std::string why = push_refusal(base_.mesh, surface_, contact_m, push_m, options_.off_surface_m); !why.empty()) throw MismatchError("the indentation " + why);
     const Eigen::Index D = push_m.size();
-    if (push_m.isZero(0)) return {Point::Zero(D), Eigen::MatrixXd::Zero(D, unknowns_.size()), PressStatus::held};
+    if (push_m.isZero(0)) return {Point::Zero(D), Eigen::MatrixXd::Zero(D, unknowns_.size()), SolverStatus::converged};
     const Linear linear = linearise(contact_m, push_m, x(), nullptr);
     const double size = linear.rest.contact_force_N.norm();
-    const PressStatus status = size > 0 ? linear.rest.status : PressStatus::lost;
-    if (status != PressStatus::held) return {Point::Constant(D, std::nan("")), Eigen::MatrixXd::Zero(D, unknowns_.size()), status};
+    const SolverStatus status = size > 0 ? linear.rest.status : SolverStatus::no_equilibrium;
+    if (status != SolverStatus::converged) return {Point::Constant(D, std::nan("")), Eigen::MatrixXd::Zero(D, unknowns_.size()), status};
     return {linear.rest.contact_force_N, linear.by_x / size, status};
 }
 
 Eigen::MatrixXd Adaptation::covariance(const Expected& expected, bool with_model) const {
     const Eigen::Index D = expected.by_x.rows();
     Eigen::MatrixXd S = expected.by_x * state_.P * expected.by_x.transpose();
-    if (has_rival()) {
+    if (has_single_scale()) {
         const double field = 1 / (1 + std::exp(-state_.evidence));
         const Point along = expected.force_N.normalized(), apart = expected.by_x * (state_.x.array() - state_.scale).matrix();
         S = field * S + (1 - field) * state_.scale_variance * along * along.transpose() + field * (1 - field) * apart * apart.transpose();
@@ -152,8 +155,9 @@ Eigen::MatrixXd Adaptation::covariance(const Expected& expected, bool with_model
     return S;
 }
 
-/// R.
-Eigen::MatrixXd Adaptation::noise(const Poke& poke, const Point& expected_N) {
+/// R (D x D), over the squared size of the force: noise, model error, and the change of force when the contact moves by
+/// the place error along each tangent.
+Eigen::MatrixXd Adaptation::noise(const ForceMeasurement& poke, const Point& expected_N) {
     const Eigen::Index D = expected_N.size();
     const double own = options_.force_noise * options_.force_noise + options_.model_error * options_.model_error;
     Eigen::MatrixXd R = own * Eigen::MatrixXd::Identity(D, D);
@@ -174,19 +178,19 @@ Eigen::MatrixXd Adaptation::noise(const Poke& poke, const Point& expected_N) {
         int sides = 0;
         for (double side : {-1.0, 1.0}) try {
                 const Linear there = linearise(at.point_m + side * place_error * along, poke.push_m, state_.x, nullptr);
-                if (there.rest.status == PressStatus::lost) continue;
+                if (there.rest.status == SolverStatus::no_equilibrium) continue;
                 differs += side * off(expected_N, there.rest.contact_force_N);
                 ++sides;
-            } catch (const MismatchError&) {  // on what is held
+            } catch (const MismatchError&) {  // the shifted contact is on fixed nodes
             }
         if (sides > 0) R += differs * differs.transpose() / (sides * sides);
     }
     return R;
 }
 
-/// The rival learns, and the evidence moves. Its filter is a line. expected_N: by it; chi2, log_det: of the field's reading, before it was
-/// learned.
-void Adaptation::compare(const Point& expected_N, const Poke& poke, const Eigen::MatrixXd& R, double chi2, double log_det) {
+/// Updates the uniform scale, whose Kalman filter is linear, and the evidence. expected_N: force predicted with the
+/// scale; chi2, log_det: innovation of the field before its update.
+void Adaptation::compare(const Point& expected_N, const ForceMeasurement& poke, const Eigen::MatrixXd& R, double chi2, double log_det) {
     const Point along = expected_N.normalized();
     const Eigen::MatrixXd S = state_.scale_variance * along * along.transpose() + R;
     const Eigen::LDLT<Eigen::MatrixXd> solver = S.ldlt();
@@ -198,21 +202,21 @@ void Adaptation::compare(const Point& expected_N, const Poke& poke, const Eigen:
     state_.scale_variance *= 1 - gain.dot(along);
 }
 
-std::string Adaptation::refusal(const Poke& poke) const {
+std::string Adaptation::refusal(const ForceMeasurement& poke) const {
     const Eigen::Index D = base_.mesh.dimension();
     if (poke.contact_m.size() != D || poke.push_m.size() != D || poke.force_N.size() != D) return fmt::format("is not of {} axes", D);
-    if (!poke.push_m.allFinite() || !poke.force_N.allFinite()) return "has a number that is none";
+    if (!poke.push_m.allFinite() || !poke.force_N.allFinite()) return "has a number that is not finite";
     if (std::string why = contact_refusal(base_.mesh, surface_, poke.contact_m, options_.off_surface_m); !why.empty()) return why;
-    if (!(poke.push_m.norm() >= options_.least_push_m)) return fmt::format("pushes by {:.3g} mm, less than {:g} mm says nothing", 1e3 * poke.push_m.norm(), 1e3 * options_.least_push_m);
-    if (!(poke.force_N.norm() > 0)) return "has no force: the sensor may be dead";
+    if (!(poke.push_m.norm() >= options_.least_push_m)) return fmt::format("has a tool displacement of {:.3g} mm; at least {:g} mm are needed", 1e3 * poke.push_m.norm(), 1e3 * options_.least_push_m);
+    if (!(poke.force_N.norm() > 0)) return "has no force: the sensor may be disconnected";
     const FreeSurface::Place at = surface_.nearest(poke.contact_m);
     const double size_m = base_.mesh.size_m();
-    if (poke.push_m.norm() > size_m / 2) return fmt::format("pushes by {:.3g} mm, more than half of the tissue's {:.3g} mm", 1e3 * poke.push_m.norm(), 1e3 * size_m);
-    if (!(poke.push_m.dot(at.inward) > 0)) return "pulls, or slides along the surface: the push must go into the tissue";
-    if (!(poke.force_N.dot(poke.push_m) > 0)) return "has a force against its push";
+    if (poke.push_m.norm() > size_m / 2) return fmt::format("has a tool displacement of {:.3g} mm, more than half of the tissue's size of {:.3g} mm", 1e3 * poke.push_m.norm(), 1e3 * size_m);
+    if (!(poke.push_m.dot(at.inward) > 0)) return "has a tool displacement out of the tissue or along its surface; it must point into the tissue";
+    if (!(poke.force_N.dot(poke.push_m) > 0)) return "has a force against its tool displacement";
     if (state_.last.push_m.size() == D && state_.last.force_N == poke.force_N) {
-        if (state_.last.contact_m == poke.contact_m && state_.last.push_m == poke.push_m) return "is the reading before it once more";
-        return "has the force of the reading before it to the last digit: the sensor may stand still";
+        if (state_.last.contact_m == poke.contact_m && state_.last.push_m == poke.push_m) return "is identical to the measurement before it";
+        return "has exactly the force of the measurement before it: the sensor may be stuck";
     }
     return "";
 }
@@ -223,11 +227,11 @@ std::string Adaptation::warning() const {
     if (state_.recent.size() < window) return "";
     const double mean = std::accumulate(state_.recent.begin(), state_.recent.end(), 0.0) / static_cast<double>(window);
     if (mean < suspicious) return "";
-    return fmt::format("the last {} readings disagree {:.1f} times as much as noise explains: the sensor may drift, or the tissue change", window, mean);
+    return fmt::format("the last {} measurements deviate {:.1f} times as much as noise explains: the sensor may drift, or the tissue change", window, mean);
 }
 
-PokeAnswer Adaptation::learn(const Poke& poke) {
-    PokeAnswer answer;
+UpdateResult Adaptation::learn(const ForceMeasurement& poke) {
+    UpdateResult answer;
     answer.gate = gate_;
     const Eigen::Index D = base_.mesh.dimension();
     answer.expected_N = Point::Zero(D);
@@ -244,17 +248,18 @@ PokeAnswer Adaptation::learn(const Poke& poke) {
     state_.last = poke;
     const Point at_m = surface_.nearest(poke.contact_m).point_m;
     Linear linear;
-    Point rival_N;  // a tissue stiffer by a factor all over has that factor on every force of the law as it was trained; of no size: it has no rest
+    // Force predicted with the uniform scale: the base model's force times exp(scale). Empty without equilibrium.
+    Point rival_N;
     try {
-        PressState trained;
-        if (has_rival()) trained = press(at_m, poke.push_m, Eigen::VectorXd::Zero(unknowns_.size()));
-        const bool held = has_rival() && trained.status == PressStatus::held;
+        EquilibriumState trained;
+        if (has_single_scale()) trained = press(at_m, poke.push_m, Eigen::VectorXd::Zero(unknowns_.size()));
+        const bool held = has_single_scale() && trained.status == SolverStatus::converged;
         if (held) rival_N = std::exp(state_.scale) * trained.contact_force_N;
         linear = linearise(at_m, poke.push_m, state_.x, held ? &trained : nullptr);
     } catch (const MismatchError& e) {
         return refuse(e.what());
     }
-    if (linear.rest.status != PressStatus::held) return refuse(fmt::format("the model has no rest there: {}", to_string(linear.rest.status)));
+    if (linear.rest.status != SolverStatus::converged) return refuse(fmt::format("the model has no equilibrium there: {}", to_string(linear.rest.status)));
     answer.expected_N = linear.rest.contact_force_N;
 
     const Point field_N = answer.expected_N;
@@ -265,20 +270,20 @@ PokeAnswer Adaptation::learn(const Poke& poke) {
     const Eigen::LDLT<Eigen::MatrixXd> solver = S.ldlt();
     answer.chi2 = r.dot(solver.solve(r));
     const double log_det = solver.vectorD().array().log().sum();
-    if (rival_plays() && rival_N.size() > 0) answer.expected_N = rival_N;
-    answer.expected_sd = std::sqrt(covariance({answer.expected_N, H, PressStatus::held}).trace() / static_cast<double>(D));
+    if (single_scale_in_use() && rival_N.size() > 0) answer.expected_N = rival_N;
+    answer.expected_sd = std::sqrt(covariance({answer.expected_N, H, SolverStatus::converged}).trace() / static_cast<double>(D));
     answer.error_before = (answer.expected_N - poke.force_N).norm() / poke.force_N.norm();
     if (!(answer.chi2 < gate_)) {
         ++state_.gated;
         ++state_.gated_in_a_row;
-        answer.status = PokeStatus::gated;
-        answer.why = fmt::format("chi2 {:.3g} is above {:.3g}: read {:.3g} N, expected {:.3g} N +- {:.2g} %", answer.chi2, gate_, poke.force_N.norm(),
+        answer.status = UpdateStatus::gated;
+        answer.why = fmt::format("chi2 {:.3g} is above {:.3g}: measured {:.3g} N, expected {:.3g} N +- {:.2g} %", answer.chi2, gate_, poke.force_N.norm(),
                                  answer.expected_N.norm(), 100 * answer.expected_sd);
         answer.warning = warning();
         return answer;
     }
 
-    // where what was known before and the reading agree, of the model as it is there
+    // iterated update: relinearises at the new x until the step is small
     Eigen::VectorXd x = state_.x;
     Point innovation = r;
     for (int round = 1;; ++round) {
@@ -290,7 +295,7 @@ PokeAnswer Adaptation::learn(const Poke& poke) {
             break;
         }
         const Linear there = linearise(at_m, poke.push_m, next, &linear.rest);
-        if (there.rest.status != PressStatus::held) return refuse(fmt::format("the model would have no rest there: {}", to_string(there.rest.status)));
+        if (there.rest.status != SolverStatus::converged) return refuse(fmt::format("the updated model has no equilibrium there: {}", to_string(there.rest.status)));
         x = next;
         const Point& model_N = there.rest.contact_force_N;
         H = there.by_x / model_N.norm();
@@ -302,7 +307,7 @@ PokeAnswer Adaptation::learn(const Poke& poke) {
     state_.x = x;
     state_.P -= PH * S.ldlt().solve(PH.transpose());
     state_.P = 0.5 * (state_.P + state_.P.transpose().eval());
-    answer.status = PokeStatus::learned;
+    answer.status = UpdateStatus::learned;
     ++state_.learned;
     state_.gated_in_a_row = 0;
     state_.recent.push_back(answer.chi2 / static_cast<double>(D));

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* group = "/adaptation";
 
-/// What of the options a file keeps, by name.
+/// Calls visit(name, value) for the numbers of AdaptOptions that are stored in a file.
 template <class Options, class Visit>
 void each_number(Options& o, Visit&& visit) {
     visit("prior_common", o.prior.common);
@@ -41,7 +41,7 @@ AdaptOptions read_options(const Hdf5Reader& file) {
     options.unknowns = file.text_attribute(group, "unknowns");
     each_number(options, [&](const char* name, double& value) {
         value = file.number_attribute(group, name);
-        if (!(value >= 0 && value < 1e3)) file.refuse(group, fmt::format("attribute '{}' is {}, must be a number from 0 on", name, value));
+        if (!(value >= 0 && value < 1e3)) file.refuse(group, fmt::format("attribute '{}' is {}, must be a number >= 0", name, value));
     });
     options.rival = file.number_attribute(group, "rival") != 0;
     options.at_rest = file.number_attribute(group, "at_rest") != 0;
@@ -61,15 +61,15 @@ AdaptOptions read_options(const Hdf5Reader& file) {
 
 const DatasetTable& adaptation_table() {
     static const DatasetTable table = {
-        {"/adaptation/constants", "E", Values::positive(), "N/m", "the law's constants before the first poke; in space Pa"},
-        {"/adaptation/patch_log", "K x F", Values::logarithm(), "log(N/m)", "and its contact"},
-        {"/adaptation/contact_log_scale", "N", Values::logarithm(), "1", "and that of contacts, by node", Rows::any, true},
-        {"/adaptation/heuristic_a", "S", Values::positive(), "N/m", "and heuristic_a"},
-        {"/adaptation/heuristic_b", "S", Values::positive(), "N/m", "and heuristic_b"},
-        {"/adaptation/x", "P", Values::logarithm(), "1", "what was learned, of log stiffness each"},
-        {"/adaptation/covariance", "P x P", Values::finite(), "1", "and what is not known of it"},
-        {"/adaptation/recent", "R", Values::not_negative(), "1", "chi2 over axes of the pokes learned last", Rows::any, true},
-        {"/adaptation/last", "3 x D", Values::finite(), "m, N", "the last reading: contact, push, force", Rows::any, true},
+        {"/adaptation/constants", "E", Values::positive(), "N/m", "constants of the energy model before the first measurement; in space Pa"},
+        {"/adaptation/patch_log", "K x F", Values::logarithm(), "log(N/m)", "contact stiffness before the first measurement"},
+        {"/adaptation/contact_log_scale", "N", Values::logarithm(), "1", "log factor of the contact by node, before the first measurement", Rows::any, true},
+        {"/adaptation/heuristic_a", "S", Values::positive(), "N/m", "heuristic_a before the first measurement"},
+        {"/adaptation/heuristic_b", "S", Values::positive(), "N/m", "heuristic_b before the first measurement"},
+        {"/adaptation/x", "P", Values::logarithm(), "1", "adapted unknowns, each the log of a stiffness factor"},
+        {"/adaptation/covariance", "P x P", Values::finite(), "1", "posterior covariance of the unknowns"},
+        {"/adaptation/recent", "R", Values::not_negative(), "1", "chi2 over the number of axes, of the measurements learned last", Rows::any, true},
+        {"/adaptation/last", "3 x D", Values::finite(), "m, N", "the last measurement: contact, tool displacement, force", Rows::any, true},
     };
     return table;
 }
@@ -79,7 +79,7 @@ void write_adapted_model(const std::string& file, const Adaptation& adaptation, 
     Hdf5Writer out(file, "model", provenance, format_of(model));
     write_tissue(out, model);
     TableWriter table(out, adaptation_table());
-    const LawModel& base = *adaptation.base().energy_law;
+    const EnergyModel& base = *adaptation.base().energy_model;
     const Adaptation::State& state = adaptation.state();
     table.write("/adaptation/constants", base.constants);
     table.write("/adaptation/patch_log", NodeField(base.patch.log_N_m));
@@ -123,7 +123,7 @@ std::optional<LearnedField> learned_field(const Adaptation& adaptation) {
     const Adaptation::State& state = adaptation.state();
     const Unknowns::Rows& by_node = adaptation.unknowns().by_node;
     Eigen::VectorXd sd = Eigen::VectorXd::Constant(by_node.rows(), std::sqrt(state.scale_variance));
-    if (!adaptation.rival_plays())
+    if (!adaptation.single_scale_in_use())
         for (Eigen::Index node = 0; node < sd.size(); ++node) {
             double variance = 0;
             for (Unknowns::Rows::InnerIterator a(by_node, node); a; ++a)
@@ -137,15 +137,15 @@ std::unique_ptr<Adaptation> read_adaptation(const std::string& file, const Adapt
     const Hdf5Reader in(file, "model");
     TissueModel model = read_model(in);
     if (!in.has(group)) return std::make_unique<Adaptation>(model, fresh);
-    if (!model.energy_law) in.refuse(group, "there is no law that could have learned");
+    if (!model.energy_model) in.refuse(group, "the model has no energy model, which adaptation needs");
     TableReader table(in, adaptation_table(), {{"D", static_cast<std::size_t>(model.mesh.dimension())},
                                                {"N", static_cast<std::size_t>(model.mesh.node_count())},
                                                {"S", static_cast<std::size_t>(model.mesh.spring_count())},
-                                               {"E", static_cast<std::size_t>(model.energy_law->constants.size())}});
-    LawModel& law = *model.energy_law;
+                                               {"E", static_cast<std::size_t>(model.energy_model->constants.size())}});
+    EnergyModel& law = *model.energy_model;
     const Eigen::VectorXd constants = table.vector("/adaptation/constants");
     const NodeField patch = table.field("/adaptation/patch_log");
-    if (patch.rows() != law.patch.log_N_m.rows() || patch.cols() != law.patch.log_N_m.cols()) table.refuse("/adaptation/patch_log", "is not of the shape of /law/patch_log");
+    if (patch.rows() != law.patch.log_N_m.rows() || patch.cols() != law.patch.log_N_m.cols()) table.refuse("/adaptation/patch_log", "must have the dimensions of /law/patch_log");
     law.constants = constants;
     law.patch.log_N_m = patch;
     law.contact_log_scale = table.has("/adaptation/contact_log_scale") ? table.vector("/adaptation/contact_log_scale") : Eigen::VectorXd();
@@ -164,7 +164,7 @@ std::unique_ptr<Adaptation> read_adaptation(const std::string& file, const Adapt
     }
     for (const auto& [name, value] : {std::pair<const char*, double*>{"scale", &state.scale}, {"scale_variance", &state.scale_variance}, {"evidence", &state.evidence}}) {
         *value = in.number_attribute(group, name);
-        if (!std::isfinite(*value)) in.refuse(group, fmt::format("attribute '{}' is no finite number", name));
+        if (!std::isfinite(*value)) in.refuse(group, fmt::format("attribute '{}' is not a finite number", name));
     }
     each_count(state, [&](const char* name, int& count) {
         const double value = in.number_attribute(group, name);

@@ -8,30 +8,32 @@
 
 namespace tissue {
 
-/// A model.h5 that plays as it has learned to, and in group /adaptation what it takes to learn on: the law as it was trained, how it
-/// learns, and State. To go on from it, or to have gone all the way at once, is the same to the last bit.
+/// Writes the adapted model as a model.h5. Group /adaptation has what further adaptation needs: the energy model before
+/// the first measurement, the options, and Adaptation::State. Continuing from the file gives the same result as an
+/// uninterrupted adaptation, bit for bit.
 void write_adapted_model(const std::string& file, const Adaptation& adaptation, const Provenance& provenance);
 
-/// Of a file so written; of a model.h5 that has learned nothing yet, with `fresh`. Throws FileError as read_model, and for a group
-/// /adaptation whose parts do not fit together.
+/// Reads an adaptation from such a file. For a model.h5 without group /adaptation a new one with the options `fresh`.
+/// Throws FileError as read_model, and for a group /adaptation whose parts do not fit together.
 std::unique_ptr<Adaptation> read_adaptation(const std::string& file, const AdaptOptions& fresh);
 
-/// The options it was begun with; nothing where it has learned nothing.
+/// Options of the adaptation in a file; absent without group /adaptation.
 std::optional<AdaptOptions> adapted_options(const std::string& file);
 
-/// What such a file has learned of each node: how many times as stiff it is as trained, and the standard deviation of that number's logarithm (N).
+/// Adapted stiffness at each node.
 struct LearnedField {
-    Eigen::VectorXd factor, sd;
-    int pokes;
+    Eigen::VectorXd factor, sd;  ///< stiffness over the trained one; posterior standard deviation of its logarithm (N)
+    int pokes;                   ///< number of learned measurements
 };
 
-/// Nothing where it learns other unknowns than `field`.
+/// Absent for unknowns other than `field`.
 std::optional<LearnedField> learned_field(const Adaptation& adaptation);
 
-/// Nothing where it has learned nothing, or on other unknowns than `field`. Throws as read_adaptation.
+/// The same of a file; absent without group /adaptation, and for unknowns other than `field`. Throws as
+/// read_adaptation.
 std::optional<LearnedField> learned_field(const std::string& file);
 
-/// What every dataset of it is and must be.
+/// Datasets of group /adaptation: shape, values, unit and meaning.
 const DatasetTable& adaptation_table();
 
 }  // namespace tissue

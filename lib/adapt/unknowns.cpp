@@ -8,12 +8,12 @@
 #include "error.h"
 #include "mesh/free_surface.h"
 #include "mesh/topology.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 
 namespace tissue {
 namespace {
 
-/// Weight of each node in each of the law's elements (E x N): the mean of its nodes.
+/// Matrix (E x N) that maps values of nodes to means over the nodes of each element.
 Unknowns::Rows element_means(const TissueEnergy& energy) {
     std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t k = 0; k < energy.kinds().size(); ++k) {
@@ -27,6 +27,7 @@ Unknowns::Rows element_means(const TissueEnergy& energy) {
     return mean;
 }
 
+/// Prior covariance (P x P) of unknowns at places (P x D): common^2 + local^2 exp(-d^2 / (2 length^2)).
 Eigen::MatrixXd covariance(const TissueModel& model, const NodeField& place_m, const PriorOptions& options) {
     const double length_m = options.length_m > 0 ? options.length_m : 2 * FreeSurface(model.mesh).spacing_m();
     const Eigen::Index P = place_m.rows();
@@ -39,7 +40,7 @@ Eigen::MatrixXd covariance(const TissueModel& model, const NodeField& place_m, c
     return prior;
 }
 
-/// Row i is column first + i.
+/// Matrix (rows x columns) with a 1 in row i at column first + i, else 0.
 Unknowns::Rows one_each(Eigen::Index rows, Eigen::Index columns, Eigen::Index first) {
     Unknowns::Rows each(rows, columns);
     each.reserve(Eigen::VectorXi::Ones(rows));
@@ -48,20 +49,21 @@ Unknowns::Rows one_each(Eigen::Index rows, Eigen::Index columns, Eigen::Index fi
     return each;
 }
 
-/// Of the law's terms, over the constants that it has now.
+/// Fills the unknowns of kind `terms`: a uniform scale, and the terms over the constants of the trained model.
 void add_terms(const TissueModel& model, Unknowns& u, const PriorOptions& options) {
-    const LawModel& law = *model.energy_law;
-    LawHeuristic now;
+    const EnergyModel& law = *model.energy_model;
+    EnergyModelHeuristic now;
     now.incompressible = law.incompressible;
     now.constants = law.constants;
     now.cap = 1e6 * law.constants.segment(model.mesh.springs.rows(), cell_count(model.mesh));
     now.patch = law.patch;
     for (const std::string& term : law.terms)
         if (term.find("nodule") != std::string::npos || term.find("ground") != std::string::npos)
-            throw MismatchError(fmt::format("unknowns 'terms' do not know what term '{}' is of, which a study says; use 'field'", term));
-    std::vector<std::string> kept = law.terms;  // forces do not depend on the skin, nor those of the law's own disc on other sizes
+            throw MismatchError(fmt::format("unknowns 'terms' do not support term '{}', which depends on data of the study; use 'field'", term));
+    // Forces do not depend on the skin; forces of the model's own disc do not depend on terms of the disc size
+    std::vector<std::string> kept = law.terms;
     kept.erase(std::remove_if(kept.begin(), kept.end(), [](const std::string& term) { return is_skin_term(term) || is_size_term(term); }), kept.end());
-    const EnergyLaw terms(model.mesh, now, kept);
+    const EnergyModelTerms terms(model.mesh, now, kept);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(terms.size());
     const Eigen::Index P = terms.size() + 1;
     u.terms = kept;
@@ -88,8 +90,8 @@ const std::vector<std::string>& unknown_kinds() {
 }
 
 Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const PriorOptions& options) {
-    if (!model.energy_law) throw MismatchError("only a law learns from pokes; the stiffness of this model is sets");
-    const LawModel& law = *model.energy_law;
+    if (!model.energy_model) throw MismatchError("only an energy model learns from measurements; this model has spring sets");
+    const EnergyModel& law = *model.energy_model;
     const Eigen::Index E = law.constants.size(), N = model.mesh.node_count();
     Unknowns u;
     u.kind = kind;
@@ -100,7 +102,8 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
     } else if (kind == "terms") {
         add_terms(model, u, options);
     } else if (kind == "field") {
-        const Embedding& embedding = model.mesh.embedding;  // whose solid's own nodes are as stiff as the lattice about them
+        // a node of the solid has the interpolated unknown of its cube
+        const Embedding& embedding = model.mesh.embedding;
         const Eigen::Index K = embedding.node_count(), L = N - K;
         u.place_m = model.mesh.nodes.bottomRows(L);
         u.by_constant = element_means(TissueEnergy(model.mesh, law)).rightCols(L);
@@ -123,8 +126,8 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
     return u;
 }
 
-LawModel with_unknowns(const LawModel& law, const Unknowns& unknowns, const Eigen::VectorXd& x) {
-    LawModel now = law;
+EnergyModel with_unknowns(const EnergyModel& law, const Unknowns& unknowns, const Eigen::VectorXd& x) {
+    EnergyModel now = law;
     now.constants = law.constants.array() * (unknowns.by_constant * x).array().exp();
     now.contact_log_scale = unknowns.by_node * x;
     if (law.contact_log_scale.size() > 0) now.contact_log_scale += law.contact_log_scale;

@@ -9,27 +9,30 @@
 
 namespace tissue {
 
-/// A session as C and Python have it: the simulation of a model, the clock of its ticks, the surfaces that move with its tissue, and the tool that calls act on.
+/// Session of the C and Python interfaces: the simulation of a model, the clock of its ticks, the named surfaces that
+/// move with its tissue, and the selected tool.
 class ApiSession {
    public:
     ApiSession(std::shared_ptr<const HapticModel> of, const NamedSurfaces& with) : model(std::move(of)), simulation(*model), surfaces(with) {}
 
-    /// One tick of every tool: positions [m] and forces [N] are three numbers a tool, one tool after the other, in one array or two; age_s: a number a tool, or nullptr, just measured.
-    /// elapsed_s: as of TickClock::start. Allocates nothing.
+    /// One tick of every tool. position_m [m], force_N [N]: three numbers per tool, one tool after the other; the
+    /// arrays may be the same. age_s: one number per tool [s], or nullptr: just measured. elapsed_s: as in
+    /// TickClock::start. Allocates nothing.
     void tick(const double* position_m, const double* age_s, double elapsed_s, double* force_N) noexcept;
 
-    /// Throws MismatchError where the session has no such tool.
+    /// Selects the tool that calls act on. Throws MismatchError where the session has no such tool.
     void use_tool(int index);
     int tool() const { return tool_; }
 
-    /// Simulation::restore. The clock knows nothing of what was before.
+    /// Simulation::restore. Resets the clock.
     void restore(const std::byte* from, std::size_t size);
-    /// Simulation::check_take_over and take_over; clock and chosen tool go on. Allocates where it throws alone.
+    /// Simulation::check_take_over and take_over; takes over the clock and the selected tool of `from`. Allocates only
+    /// where it throws.
     void take_over(const ApiSession& from);
-    /// After ticks that said themselves how long they took.
+    /// Resets the clock: call after ticks whose caller passed the elapsed time, so that their time is not measured.
     void forget_clock() noexcept { clock_ = {}; }
 
-    const std::shared_ptr<const HapticModel> model;  ///< of this session and its copies
+    const std::shared_ptr<const HapticModel> model;  ///< shared with copies of this session
     Simulation simulation;
     NamedSurfaces surfaces;
 

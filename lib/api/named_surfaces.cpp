@@ -30,9 +30,9 @@ NamedSurfaces::NamedSurfaces(const TissueModel& tissue) {
 
 void NamedSurfaces::add(const std::string& name, const std::string& file, double unit_m) {
     if (name.empty()) throw MismatchError("a surface needs a name");
-    if (find(name)) throw MismatchError(fmt::format("there is a surface '{}' already", name));
-    if (!(unit_m > 0 && unit_m <= 1000)) throw MismatchError(fmt::format("{}: a unit of {} m", file, unit_m));
-    if (!mesh_) throw MismatchError("the model is in the plane, and a surface is carried by one in space");
+    if (find(name)) throw MismatchError(fmt::format("there is already a surface '{}'", name));
+    if (!(unit_m > 0 && unit_m <= 1000)) throw MismatchError(fmt::format("{}: the unit is {} m, must lie in (0, 1000]", file, unit_m));
+    if (!mesh_) throw MismatchError("the model is in the plane; surfaces need a model in space");
     const CarriedSurface carried = carried_surface(*mesh_, read_surface_file(file), unit_m);
     all_.push_back(std::make_shared<Surface>(Surface{name, carried.vertices, carried.facets, carried.node, carried.weight}));
 }

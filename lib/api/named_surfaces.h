@@ -9,28 +9,32 @@
 
 namespace tissue {
 
-/// Surfaces in space that move with a session's tissue, by name: "boundary", the model's own; "nodule", of the other material in it where the model has its surface; and those that are
-/// added of files. What an engine maps to a mesh of its own. None in the plane.
+/// Surfaces in space that move with a session's tissue, by name. "boundary": the model's own. "nodule": the surface of
+/// the inclusion, where the model has it. Others are added from files. An engine maps them to its own meshes. There are
+/// none in the plane.
 class NamedSurfaces {
    public:
     struct Surface {
         std::string name;
-        NodeField rest_m;    ///< (V x 3)
-        Cells triangles;     ///< of these points, normals out (W x 3)
-        Cells node;          ///< of the tissue, which a point moves with (V x 3 or 4)
-        NodeField weight;    ///< of these
+        NodeField rest_m;    ///< vertices at rest (V x 3)
+        Cells triangles;     ///< vertex numbers, normals outward (W x 3)
+        Cells node;          ///< tissue nodes that carry a vertex (V x 3 or 4)
+        NodeField weight;    ///< weights of these nodes
 
-        /// Where points are, for displacements of the tissue's nodes [m] (N x 3); places: room for V times 3.
+        /// Vertex positions [m] for displacements of the tissue's nodes [m] (N x 3). places_m: room for V times 3
+        /// numbers.
         void places(const NodeColumns& displacement_m, double* places_m) const noexcept;
     };
 
     NamedSurfaces() = default;
     explicit NamedSurfaces(const TissueModel& tissue);
 
-    /// The surface of a file, which moves with the boundary (mesh/carried_surface.h). unit_m [m]: of its numbers. Throws FileError and MismatchError as that and its readers, and where there is one of this name.
+    /// Adds the surface of a file, carried by the boundary (mesh/carried_surface.h). unit_m: unit of the file's numbers
+    /// [m], in (0, 1000]. Throws FileError where the file cannot be read. Throws MismatchError for an empty name or one
+    /// in use, a unit out of range, a model in the plane, and where carried_surface() throws it.
     void add(const std::string& name, const std::string& file, double unit_m);
 
-    const Surface* find(std::string_view name) const noexcept;  ///< nullptr: there is none
+    const Surface* find(std::string_view name) const noexcept;  ///< nullptr: no surface has this name
     std::vector<std::string> names() const;
 
    private:

@@ -8,17 +8,19 @@
 
 namespace tissue {
 
-/// What a session counts, by the names of tissue_count (tissue.h); of a tool what belongs to one.
+/// A count of a session, under its name in tissue_count (tissue.h). `of`: its value, for one tool where it is counted
+/// per tool.
 struct SessionCount {
     const char* name;
     long long (*of)(const Simulation&, int tool);
 };
 
-inline constexpr std::array<SessionCount, 13> session_counts{{
+inline constexpr std::array<SessionCount, 14> session_counts{{
     {"ticks", [](const Simulation& s, int) { return s.counters().ticks; }},
     {"folded", [](const Simulation& s, int) { return s.counters().folded; }},
     {"unstable", [](const Simulation& s, int) { return s.counters().unstable; }},
     {"not_yet_outside", [](const Simulation& s, int tool) { return s.unarmed(tool); }},
+    {"let_go", [](const Simulation& s, int tool) { return s.let_go(tool); }},
     {"bad_input", [](const Simulation& s, int tool) { return s.safety(tool).counters().bad_input; }},
     {"jumps", [](const Simulation& s, int tool) { return s.safety(tool).counters().jump; }},
     {"stale", [](const Simulation& s, int tool) { return s.safety(tool).counters().stale; }},
@@ -30,7 +32,8 @@ inline constexpr std::array<SessionCount, 13> session_counts{{
     {"lost_ms", [](const Simulation& s, int) { return std::llround(std::min(1e3 * s.counters().lost_s, 1e15)); }},
 }};
 
-/// The energy log of a session [J], by the names of tissue_energy; of a tool what belongs to one.
+/// An entry of a session's energy log [J], under its name in tissue_energy. `of`: its value, for one tool where it is
+/// kept per tool.
 struct SessionEnergy {
     const char* name;
     double (*of)(const Simulation&, int tool);

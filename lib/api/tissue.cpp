@@ -12,7 +12,7 @@
 #include "api/session_counts.h"
 #include "error.h"
 #include "haptic/session_options.h"
-#include "springs/law_at_radius.h"
+#include "springs/energy_model_at_radius.h"
 #include "version.h"
 
 using namespace tissue;
@@ -23,13 +23,14 @@ struct tissue_model {
 };
 
 struct tissue_session : ApiSession {
-    mutable NodeColumns seen;  ///< scratch of tissue_positions and tissue_surface
+    mutable NodeColumns seen;  ///< scratch memory of tissue_positions and tissue_surface
     explicit tissue_session(const tissue_model& of) : ApiSession(of.model, of.surfaces), seen(simulation.state(0).displacement) {}
 };
 
 namespace {
 
-/// The failure of this thread, of storage that is there from the start: to say it must not fail. One line, whatever a name or a value had in it.
+/// The last failure of this thread: one line without control characters. Static storage, because reporting a failure
+/// must not fail.
 thread_local char failure[1024] = "";
 
 tissue_status fail(tissue_status status, const char* why) noexcept {
@@ -41,7 +42,7 @@ tissue_status fail(tissue_status status, const char* why) noexcept {
 
 tissue_status bad(const char* why) noexcept { return fail(TISSUE_BAD_ARGUMENT, why); }
 
-/// What `act` returns, or what its exception is.
+/// Returns the result of `act`, or the status of the exception that it throws.
 template <class Act>
 tissue_status caught(Act act) noexcept {
     try {
@@ -53,11 +54,11 @@ tissue_status caught(Act act) noexcept {
     } catch (const std::exception& e) {
         return fail(TISSUE_FAILED, e.what());
     } catch (...) {
-        return fail(TISSUE_FAILED, "what was thrown is not known");
+        return fail(TISSUE_FAILED, "an unknown exception was thrown");
     }
 }
 
-/// An option that there is not, or whose value is none of its kind, is a wrong argument.
+/// Sets an option. TISSUE_BAD_ARGUMENT for an option that does not exist, or for a value of another kind.
 tissue_status set(HapticOptions& options, const char* name, const char* value, unsigned changeable = everywhere) {
     try {
         set_option(options, name, value, changeable);
@@ -67,14 +68,14 @@ tissue_status set(HapticOptions& options, const char* name, const char* value, u
     return TISSUE_OK;
 }
 
-/// Sizes that callers of the first release have.
-constexpr size_t first_contact = offsetof(tissue_contact, reserved) + sizeof(int), first_limits = offsetof(tissue_limits, lost_s) + sizeof(double);
+/// Sizes of the structs in the first release.
+constexpr size_t first_contact = offsetof(tissue_contact, grasped) + sizeof(int), first_limits = offsetof(tissue_limits, lost_s) + sizeof(double);
 static_assert(sizeof(tissue_contact) >= first_contact && sizeof(tissue_limits) >= first_limits, "members are added at the end");
 
-/// To a caller whose struct may have more members than this library's, or fewer.
+/// Copies `ours` to a caller whose struct may have more or fewer members than this library's.
 template <class Struct>
 tissue_status hand_out(const Struct& ours, Struct* to, size_t size, size_t first) noexcept {
-    if (size < first) return bad("size is that of no struct of tissue.h: pass sizeof of the one that is filled");
+    if (size < first) return bad("size is too small for this struct of tissue.h: pass sizeof of the struct");
     std::memset(to, 0, size);
     std::memcpy(to, &ours, std::min(size, sizeof ours));
     return TISSUE_OK;
@@ -93,7 +94,7 @@ tissue_status status_of(const TickRecord& tick) noexcept {
 
 bool has_force(tissue_status status) noexcept { return status == TISSUE_OK || status == TISSUE_LATE || status == TISSUE_OVERRUN; }
 
-/// In three numbers, the third 0 in the plane.
+/// Copies to three numbers; the third is 0 in the plane.
 void three(const Point& p, double to[3]) noexcept {
     for (Eigen::Index a = 0; a < 3; ++a) to[a] = a < p.size() ? p[a] : 0;
 }
@@ -114,7 +115,7 @@ tissue_status tissue_open_model(const char* model_file, const char* const* optio
             if (!options[1]) return bad("an option without a value");
             if (const tissue_status status = set(haptic, options[0], options[1]); status != TISSUE_OK) return status;
         }
-        check_options(haptic);  // before the model knows of one
+        check_options(haptic);  // before the model is built with them
         const TissueModel tissue = with_tool(read_model(model_file), haptic.tool);
         *model = new tissue_model{std::make_shared<HapticModel>(tissue, haptic), NamedSurfaces(tissue)};
         return TISSUE_OK;
@@ -154,8 +155,9 @@ tissue_status tissue_tick_aged(tissue_session* s, const double position_m[3], do
 
 tissue_status tissue_tick_tools(tissue_session* s, int tools, const double* position_m, const double* age_s, double elapsed_s, double* force_N, tissue_status* status) {
     if (!s || !position_m || !force_N || tools != s->simulation.tool_count()) {
-        constexpr int most = 64;  // a larger number is a mistake, and the arrays are not that long
-        if (force_N && tools > 0 && tools <= most) std::fill_n(force_N, 3 * tools, 0.0);  // or a caller who does not look at the status plays the old one for ever
+        constexpr int most = 64;  // a larger number is an error of the caller, whose arrays are not that long
+        // else a caller that ignores the status keeps playing the old force
+        if (force_N && tools > 0 && tools <= most) std::fill_n(force_N, 3 * tools, 0.0);
         if (status && tools > 0 && tools <= most) std::fill_n(status, tools, TISSUE_BAD_ARGUMENT);
         return TISSUE_BAD_ARGUMENT;
     }
@@ -192,6 +194,13 @@ tissue_status tissue_clutch(tissue_session* s, int on) {
     return TISSUE_OK;
 }
 
+tissue_status tissue_grasp(tissue_session* s, int on) {
+    if (!s) return bad("tissue_grasp: a null pointer");
+    if (on && !s->model->grasps) return fail(TISSUE_MISMATCH, "tissue_grasp: the model was not trained to be pulled, or its tool is a ball: train it with the term contact.compression");
+    s->simulation.grasp(on != 0, s->tool());
+    return TISSUE_OK;
+}
+
 tissue_status tissue_follow(const tissue_model* model, const tissue_session* leader, tissue_session** session) {
     if (!model || !leader || !session) return bad("tissue_follow: a null pointer");
     return caught([&] {
@@ -203,7 +212,7 @@ tissue_status tissue_follow(const tissue_model* model, const tissue_session* lea
 }
 
 tissue_status tissue_take_over(tissue_session* s, const tissue_session* from) {
-    if (!s || !from || s == from) return bad("tissue_take_over: a null pointer, or one session twice");
+    if (!s || !from || s == from) return bad("tissue_take_over: a null pointer, or the same session twice");
     return caught([&] {
         s->take_over(*from);
         return TISSUE_OK;
@@ -238,16 +247,16 @@ tissue_status tissue_copy(const tissue_session* s, tissue_session** copy) {
 const char* tissue_status_text(tissue_status status) {
     switch (status) {
         case TISSUE_OK: return "ok";
-        case TISSUE_BAD_ARGUMENT: return "an argument was refused: a null pointer, an index or an option that is none";
-        case TISSUE_BAD_FILE: return "the file is no model, or cannot be read";
-        case TISSUE_MISMATCH: return "options do not fit each other or the model";
+        case TISSUE_BAD_ARGUMENT: return "an argument was refused: a null pointer, an unknown index or an unknown option";
+        case TISSUE_BAD_FILE: return "the file is not a model, or cannot be read";
+        case TISSUE_MISMATCH: return "options do not match each other or the model";
         case TISSUE_FAULT: return "the position was refused: not finite, too fast or too old";
         case TISSUE_FAILED: return "failed, memory may have run out";
-        case TISSUE_NOT_ARMED: return "the tool must be outside the tissue once before there is force";
-        case TISSUE_FOLDED: return "a surface crosses itself, or two meshes lie over each other: no force";
-        case TISSUE_DIVERGED: return "a mesh flew apart, or came to rest inside out, and was put to rest";
-        case TISSUE_LATE: return "the tick came so late that the device had let go: the force begins again at zero";
-        case TISSUE_OVERRUN: return "time was lost: more than half a second passed, or ticks cost more than their time";
+        case TISSUE_NOT_ARMED: return "no force: the tool has not been outside the tissue yet";
+        case TISSUE_FOLDED: return "no force: a surface crosses itself, or two meshes overlap";
+        case TISSUE_DIVERGED: return "a mesh diverged, or its cells were inverted, and was put to rest";
+        case TISSUE_LATE: return "the tick was so late that the device had released its force: the force begins again at zero";
+        case TISSUE_OVERRUN: return "time was lost: more than half a second passed, or ticks took longer than their time step";
     }
     return "no status";
 }
@@ -301,7 +310,7 @@ tissue_status tissue_add_surface(tissue_session* s, const char* name, const char
     });
 }
 
-/// nullptr: there is none.
+/// nullptr: no surface has this name.
 static const NamedSurfaces::Surface* surface_of(const tissue_session* s, const char* name) { return s && name ? s->surfaces.find(name) : nullptr; }
 
 int tissue_surface_points(const tissue_session* s, const char* name) {
@@ -337,12 +346,13 @@ tissue_status tissue_read_contact(const tissue_session* s, tissue_contact* to, s
     three(tick.contact_displacement_m, contact.displacement_m);
     three(Point::Zero(tick.coupling_N.size()) - tick.coupling_N, contact.force_N);
     contact.slipping = tick.slipping ? 1 : 0;
+    contact.grasped = tick.grasped ? 1 : 0;
     return hand_out(contact, to, size, first_contact);
 }
 
 const char* tissue_stiffness(const tissue_session* s) {
     if (!s) return "";
-    if (s->model->is_law()) return "law";
+    if (s->model->is_energy_model()) return "law";
     return s->model->set_names[static_cast<std::size_t>(s->simulation.set())].c_str();
 }
 

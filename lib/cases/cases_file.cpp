@@ -36,7 +36,7 @@ void write_shape(TableWriter& out, const Shape& shape) {
     out.write_integers("/shape/fixed_edges", {shape.fixed_edges.size(), 2}, edges);
 }
 
-/// The surface that the tetrahedra have, and held facets of it.
+/// Refuses tetrahedra that are no valid mesh, and fixed facets that are not on its surface.
 void check_fixed_facets(TableReader& in, const Shape& shape) {
     const SpringMesh mesh = edge_mesh(shape);
     if (const auto fault = mesh_fault(mesh)) in.refuse("/shape", fault->part + " " + fault->why);
@@ -47,7 +47,7 @@ void check_fixed_facets(TableReader& in, const Shape& shape) {
     };
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) outside.insert(sorted({mesh.facets(f, 0), mesh.facets(f, 1), mesh.facets(f, 2)}));
     for (const auto& facet : shape.fixed_facets)
-        if (!outside.count(sorted(facet))) in.refuse("/shape/fixed_facets", "are not all of the surface");
+        if (!outside.count(sorted(facet))) in.refuse("/shape/fixed_facets", "has a facet that is not on the surface");
 }
 
 Shape read_shape(TableReader& in, const NodeField& nodes) {
@@ -92,7 +92,7 @@ Measurement read_measurement(const Hdf5Reader& file, TableReader& in) {
             in.texts("/measurement/outliers")};
 }
 
-/// One row a record.
+/// One row for each record (R x D).
 template <class Value>
 NodeField rows_of(const std::vector<PathRecord>& records, Eigen::Index D, const Value& value) {
     NodeField rows(static_cast<Eigen::Index>(records.size()), D);
@@ -100,7 +100,7 @@ NodeField rows_of(const std::vector<PathRecord>& records, Eigen::Index D, const 
     return rows;
 }
 
-/// One number a record.
+/// One number for each record (R).
 template <class Value>
 Eigen::VectorXd numbers_of(const std::vector<PathRecord>& records, const Value& value) {
     Eigen::VectorXd numbers(static_cast<Eigen::Index>(records.size()));
@@ -108,7 +108,7 @@ Eigen::VectorXd numbers_of(const std::vector<PathRecord>& records, const Value& 
     return numbers;
 }
 
-/// One field a record (R x N x D).
+/// One nodal field for each record (R x N x D).
 template <class Value>
 Array fields_of(const std::vector<PathRecord>& records, const NodeField& nodes, const Value& value) {
     Array all{{records.size(), static_cast<std::size_t>(nodes.rows()), static_cast<std::size_t>(nodes.cols())}, {}};
@@ -155,7 +155,7 @@ void write_path(TableWriter& out, const LoadPath& path, const NodeField& nodes, 
     out.write_integers(group + "newton_iterations", {records.size()}, newton);
 }
 
-/// in: of this path alone, since R is its own.
+/// in: a copy for this path alone, because the number of records R differs between paths.
 LoadPath read_path(TableReader in, const std::string& name, const NodeField& nodes, bool measured) {
     const std::string group = "/paths/" + name + "/";
     LoadPath path;
@@ -169,7 +169,7 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
     path.direction = in.vector(group + "direction");
     const Eigen::VectorXd magnitude = in.vector(group + "magnitude");
     if (magnitude.size() > 0 && magnitude.maxCoeff() > size_m(nodes))
-        in.refuse(group + "magnitude", fmt::format("goes to {:.3g} mm, and the tissue is {:.3g} mm long", 1e3 * magnitude.maxCoeff(), 1e3 * size_m(nodes)));
+        in.refuse(group + "magnitude", fmt::format("goes to {:.3g} mm, beyond the tissue's size of {:.3g} mm", 1e3 * magnitude.maxCoeff(), 1e3 * size_m(nodes)));
     const NodeField contact = in.field(group + "contact_force");
     if (measured) {
         const NodeField aside = in.field(group + "aside"), again = in.field(group + "again");
@@ -185,7 +185,7 @@ LoadPath read_path(TableReader in, const std::string& name, const NodeField& nod
         path.second = SecondTool{in.vector(group + "second_contact"), in.vector(group + "second_direction"), in.vector(group + "second_depth")[0]};
         second = in.field(group + "second_force");
         const double deepest_m = magnitude.size() > 0 ? magnitude.maxCoeff() * path.second->depth_m / path.depth_m : 0;
-        if (deepest_m > size_m(nodes)) in.refuse(group + "second_depth", fmt::format("takes the second disc to {:.3g} mm, and the tissue is {:.3g} mm long", 1e3 * deepest_m, 1e3 * size_m(nodes)));
+        if (deepest_m > size_m(nodes)) in.refuse(group + "second_depth", fmt::format("moves the second disc by {:.3g} mm, beyond the tissue's size of {:.3g} mm", 1e3 * deepest_m, 1e3 * size_m(nodes)));
     }
     const Eigen::VectorXd energy = in.vector(group + "energy"), J = in.vector(group + "smallest_J"),
                           residual = in.vector(group + "newton_residual");
@@ -210,43 +210,43 @@ const DatasetTable& cases_table(bool measured) {
         {"/nodes", "N x D", Values::place(), "m", "nodes at rest, where displacements are compared", Rows::distinct},
         {"/shape/triangles", "T x 3", Values::index("N"), "1", "triangles between the nodes", Rows::distinct},
         {"/shape/tetrahedra", "T x 4", Values::index("N"), "1", "in space: tetrahedra between the nodes", Rows::distinct},
-        {"/shape/fixed_facets", "B x 3", Values::index("N"), "1", "in space: held facets of the surface", Rows::distinct},
-        {"/shape/bed", "B", Values::count(), "1", "where something held lies on an elastic bed: of each held facet which, from 1; 0: it does not move"},
+        {"/shape/fixed_facets", "B x 3", Values::index("N"), "1", "in space: fixed facets of the surface", Rows::distinct},
+        {"/shape/bed", "B", Values::count(), "1", "where fixed parts are on elastic beds: number of each fixed facet's bed, from 1; 0: it does not move"},
         {"/shape/region", "T", Values::count(), "1", "0: base material, else 1 + named region"},
-        {"/shape/fixed_edges", "B x 2", Values::index("N"), "1", "held edges of the outline", Rows::distinct},
-        {"/magnitudes", "M*", Values::positive(), "m", "push lengths that are load cases", Rows::ascending},
+        {"/shape/fixed_edges", "B x 2", Values::index("N"), "1", "fixed edges of the outline", Rows::distinct},
+        {"/magnitudes", "M*", Values::positive(), "m", "tool displacements that are load cases", Rows::ascending},
         {"/path_names", "P", Values::names(), "text", "load paths in the study's order"},
-        {"/paths/NAME/role", "2", Values::text(), "text", "what the path is for, and why FE lost it, if so"},
-        {"/paths/NAME/depth", "1", Values::positive(), "m", "how deep it was to go"},
-        {"/paths/NAME/radius", "1", Values::positive(), "m", "of the disc, where it is not the study's own"},
+        {"/paths/NAME/role", "2", Values::text(), "text", "role of the path, and why FE ended early, if so"},
+        {"/paths/NAME/depth", "1", Values::positive(), "m", "largest tool displacement planned"},
+        {"/paths/NAME/radius", "1", Values::positive(), "m", "radius of the disc, where it is not the study's own"},
         {"/paths/NAME/contact", "D", Values::place(), "m", "contact at rest"},
-        {"/paths/NAME/direction", "D", Values::finite(), "1", "unit vector of the push", Rows::unit},
-        {"/paths/NAME/magnitude", "R*", Values::not_negative(), "m", "how far the contact is pushed", Rows::ascending},
+        {"/paths/NAME/direction", "D", Values::finite(), "1", "unit vector of the tool displacement", Rows::unit},
+        {"/paths/NAME/magnitude", "R*", Values::not_negative(), "m", "tool displacement", Rows::ascending},
         {"/paths/NAME/contact_force", "R* x D", Values::finite(), "N", "force of the indenter on the tissue"},
     };
     static const DatasetTable fe = joined(all, {
         {"/paths/NAME/displacement", "R* x N x D", Values::finite(), "m", "u at the nodes"},
-        {"/paths/NAME/force", "R* x N x D", Values::finite(), "N", "external nodal force that holds u, lumped to the nodes"},
+        {"/paths/NAME/force", "R* x N x D", Values::finite(), "N", "external nodal force in equilibrium with u, lumped to the nodes"},
         {"/paths/NAME/support_force", "R* x D", Values::finite(), "N", "force of the supports on the tissue"},
         {"/paths/NAME/energy", "R*", Values::finite(), "J", "elastic energy"},
         {"/paths/NAME/smallest_J", "R*", Values::positive(), "1", "smallest det F in the tissue"},
         {"/paths/NAME/newton_residual", "R*", Values::not_negative(), "1", "largest free force over largest reaction"},
-        {"/paths/NAME/second_contact", "D", Values::place(), "m", "where a second disc pushes at once, at rest"},
-        {"/paths/NAME/second_direction", "D", Values::finite(), "1", "unit vector of its push", Rows::unit},
-        {"/paths/NAME/second_depth", "1", Values::positive(), "m", "how deep it was to go, in proportion"},
+        {"/paths/NAME/second_contact", "D", Values::place(), "m", "contact at rest of a second disc that indents at once"},
+        {"/paths/NAME/second_direction", "D", Values::finite(), "1", "unit vector of its displacement", Rows::unit},
+        {"/paths/NAME/second_depth", "1", Values::positive(), "m", "its largest displacement planned; it is displaced in proportion"},
         {"/paths/NAME/second_force", "R* x D", Values::finite(), "N", "force of that disc on the tissue"},
         {"/paths/NAME/newton_iterations", "R*", Values::count(), "1", "Newton iterations since the record before"},
     });
     static const DatasetTable hand = joined(all, {
         {"/measurement/origin", "1", Values::text(), "text", "comments at the head of the measured data"},
-        {"/measurement/outliers", "O*", Values::text(), "text", "rows far from their repeats; they are kept"},
+        {"/measurement/outliers", "O*", Values::text(), "text", "rows that differ from their repeats; they are kept"},
         {"/measurement/force_noise", "1", Values::not_negative(), "1",
          "standard deviation of a component of the force, relative to the force"},
         {"/measurement/displacement_noise", "1", Values::not_negative(), "m", "standard deviation of a component of the displacement"},
         {"/measurement/counts", "3", Values::count(), "1", "rows, contacts, degrees of freedom of the noise"},
-        {"/paths/NAME/aside", "R* x D", Values::finite(), "m", "what the push strayed from the direction"},
+        {"/paths/NAME/aside", "R* x D", Values::finite(), "m", "part of the tool displacement across the direction"},
         {"/paths/NAME/again", "A* x D", Values::finite(), "N",
-         "contact force on average when the push was measured again, A = 0 or 1"},
+         "mean contact force of the repeats of the measurement, A = 0 or 1"},
     });
     return measured ? hand : fe;
 }
@@ -279,7 +279,7 @@ void write_cases(const std::string& file, const Cases& cases, const Provenance& 
 
 namespace {
 
-/// Only files that discs of several radii press say it.
+/// The radius of the study's own disc; 0 where the file has none, because all paths have this disc.
 double disc_radius_of(const Hdf5Reader& file) {
     if (!file.has_attribute("/", "disc_radius_m")) return 0;
     const double radius_m = file.number_attribute("/", "disc_radius_m");
@@ -287,7 +287,7 @@ double disc_radius_of(const Hdf5Reader& file) {
     return radius_m;
 }
 
-/// Files of the plane do not say it.
+/// 2 where the file has no such attribute.
 int dimension_of(const Hdf5Reader& file) {
     if (!file.has_attribute("/", "dimension")) return 2;
     const double D = file.number_attribute("/", "dimension");
@@ -304,7 +304,7 @@ Cases read_cases(const std::string& name) {
     const bool measured = file.has("/measurement");
     const int D = dimension_of(file);
     for (const char* group : {"/measurement", "/shape/triangles"})
-        if (D == 3 && file.has(group)) file.refuse(group, "belongs to the plane, and these cases are of 3 dimensions");
+        if (D == 3 && file.has(group)) file.refuse(group, "is for cases in the plane, and these cases have 3 dimensions");
     TableReader in(file, cases_table(measured), {{"D", D}});
     cases.nodes = in.field("/nodes");
     if (file.has("/shape")) cases.shape = read_shape(in, cases.nodes);
@@ -314,16 +314,16 @@ Cases read_cases(const std::string& name) {
     cases.disc_radius_m = D == 3 ? disc_radius_of(file) : 0;
     for (const std::string& path : in.texts("/path_names")) {
         cases.paths.push_back(read_path(in, path, cases.nodes, measured));
-        if (cases.paths.back().second && D == 2) file.refuse("/paths/" + path + "/second_contact", "belongs to space, and these cases are of the plane");
+        if (cases.paths.back().second && D == 2) file.refuse("/paths/" + path + "/second_contact", "is for cases in space, and these cases are in the plane");
         if (cases.paths.back().second && !is_role_of_pairs(cases.paths.back().role))
-            file.refuse("/paths/" + path + "/second_contact", fmt::format("stands in a path of role '{}', which has one disc", cases.paths.back().role));
-        if (cases.paths.back().radius_m > 0 && cases.disc_radius_m == 0) file.refuse("/paths/" + path + "/radius", "stands in a file without attribute 'disc_radius_m'");
+            file.refuse("/paths/" + path + "/second_contact", fmt::format("is in a path of role '{}', which has one disc", cases.paths.back().role));
+        if (cases.paths.back().radius_m > 0 && cases.disc_radius_m == 0) file.refuse("/paths/" + path + "/radius", "is in a file without attribute 'disc_radius_m'");
     }
-    std::map<std::string, const LoadPath*> first_of;  // a role is of pairs or of single discs
+    std::map<std::string, const LoadPath*> first_of;  // first path of each role: all have one disc, or all have two
     for (const LoadPath& path : cases.paths) {
         const LoadPath& first = *first_of.emplace(path.role, &path).first->second;
         if (path.second.has_value() != first.second.has_value())
-            file.refuse("/paths/" + path.name, fmt::format("and '{}' are of one role, and one of them alone has two discs", first.name));
+            file.refuse("/paths/" + path.name, fmt::format("and '{}' have the same role, but only one of them has two discs", first.name));
     }
     if (file.has("/histories")) {
         TableReader in_time(file, histories_table(), {{"D", D}});

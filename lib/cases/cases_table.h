@@ -4,8 +4,8 @@
 
 namespace tissue {
 
-/// What each dataset of cases.h5 is and must be: writer, reader and tests walk it. `measured`: where nobody knows what
-/// happened inside the tissue. Beside it, read_cases asks for triangles without fault (mesh/mesh_fault.h).
+/// Rules of the datasets of cases.h5, which writer, reader and tests use. measured: the table of measured cases, which
+/// have forces alone and no displacement of the tissue. read_cases also checks the mesh (mesh/mesh_fault.h).
 const DatasetTable& cases_table(bool measured);
 
 }  // namespace tissue

@@ -17,7 +17,7 @@ Values contact_number() {
     return v;
 }
 
-/// One text a history.
+/// One text for each history.
 template <class Value>
 std::vector<std::string> texts_of(const std::vector<History>& histories, const Value& value) {
     std::vector<std::string> texts;
@@ -25,7 +25,7 @@ std::vector<std::string> texts_of(const std::vector<History>& histories, const V
     return texts;
 }
 
-/// One row a history.
+/// One row for each history.
 template <class Value>
 NodeField rows_of(const std::vector<History>& histories, Eigen::Index D, const Value& value) {
     NodeField rows(static_cast<Eigen::Index>(histories.size()), D);
@@ -49,20 +49,20 @@ NodeField joined_of(const std::vector<History>& histories, Eigen::Index D, Eigen
 
 const DatasetTable& histories_table() {
     static const DatasetTable table = {
-        {"/histories/name", "H", Values::names(), "text", "courses of the tool in time, in the study's order"},
-        {"/histories/group", "H", Values::text(), "text", "the study's group of each"},
-        {"/histories/kind", "H", Values::text(), "text", "how the tool goes: ramp, release, sine, poke, again, file"},
-        {"/histories/role", "H", Values::text(), "text", "what each is for"},
-        {"/histories/lost", "H", Values::text(), "text", "why FE ended before the course did, if so"},
+        {"/histories/name", "H", Values::names(), "text", "displacement histories, in the study's order"},
+        {"/histories/group", "H", Values::text(), "text", "group of each in the study"},
+        {"/histories/kind", "H", Values::text(), "text", "kind of motion: ramp, release, sine, poke, again, file"},
+        {"/histories/role", "H", Values::text(), "text", "role of each"},
+        {"/histories/lost", "H", Values::text(), "text", "why FE ended before the history did, if so"},
         {"/histories/contact_place", "H x D", Values::place(), "m", "contact at rest"},
-        {"/histories/second_place", "H x D", Values::place().or_nan(), "m", "where the tool touches again; NaN where that is no other place"},
-        {"/histories/direction", "H x D", Values::finite(), "1", "unit vector of the first stroke", Rows::unit},
+        {"/histories/second_place", "H x D", Values::place().or_nan(), "m", "second contact at rest; NaN where there is none"},
+        {"/histories/direction", "H x D", Values::finite(), "1", "unit vector of the first displacement", Rows::unit},
         {"/histories/offset", "O", Values::count(), "1", "first row of each history, then the number of rows"},
         {"/histories/time", "K*", Values::not_negative(), "s", "time, from 0 in each"},
         {"/histories/push", "K* x D", Values::place(), "m", "displacement of the tool from the contact that it touches"},
-        {"/histories/contact", "K*", contact_number(), "1", "0: the tool is away, 1: at its contact, 2: at the second"},
+        {"/histories/contact", "K*", contact_number(), "1", "0: the tool is off the tissue, 1: at its contact, 2: at the second contact"},
         {"/histories/force", "K* x D", Values::finite(), "N", "force of the tool on the tissue"},
-        {"/histories/elastic_force", "K* x D", Values::finite().or_nan(), "N", "the same on tissue that does not relax; NaN where there is none"},
+        {"/histories/elastic_force", "K* x D", Values::finite().or_nan(), "N", "force of the tool on tissue that does not relax; NaN where there is none"},
     };
     return table;
 }
@@ -105,7 +105,7 @@ std::vector<History> read_histories(TableReader& in) {
     const NodeField push = in.field("/histories/push"), force = in.field("/histories/force"), elastic = in.field("/histories/elastic_force");
     const std::vector<int> contact = in.integers("/histories/contact");
     if (offset.size() != name.size() + 1 || offset.front() != 0 || offset.back() != time.size() || !std::is_sorted(offset.begin(), offset.end()))
-        in.refuse("/histories/offset", fmt::format("does not part {} rows into {} histories", time.size(), name.size()));
+        in.refuse("/histories/offset", fmt::format("does not divide {} rows into {} histories", time.size(), name.size()));
     std::vector<History> histories;
     for (std::size_t i = 0; i < name.size(); ++i) {
         const Eigen::Index row = static_cast<Eigen::Index>(i), begin = offset[i], T = offset[i + 1] - offset[i];
@@ -118,10 +118,10 @@ std::vector<History> read_histories(TableReader& in) {
         h.contact_m = place.row(row).transpose();
         h.direction = direction.row(row).transpose();
         if (second.row(row).array().isNaN().any() && !second.row(row).array().isNaN().all())
-            in.refuse("/histories/second_place", fmt::format("row {} is NaN in part", i));
+            in.refuse("/histories/second_place", fmt::format("row {} has some numbers that are NaN and some that are not", i));
         if (!std::isnan(second(row, 0))) h.second_contact_m = second.row(row).transpose();
         h.time_s = time.segment(begin, T);
-        if (T == 0 && h.lost.empty()) in.refuse("/histories/offset", "'" + h.name + "' has no rows, and was not lost");
+        if (T == 0 && h.lost.empty()) in.refuse("/histories/offset", "'" + h.name + "' has no rows and no reason in /histories/lost");
         for (Eigen::Index t = 0; t < T; ++t)
             if (t == 0 ? h.time_s[0] != 0 : !(h.time_s[t] > h.time_s[t - 1]))
                 in.refuse("/histories/time", fmt::format("row {} of '{}' does not ascend from 0", t, h.name));
@@ -129,11 +129,11 @@ std::vector<History> read_histories(TableReader& in) {
         h.force_N = force.middleRows(begin, T);
         const auto own = elastic.middleRows(begin, T);
         const bool none = own.array().isNaN().any();
-        if (none && !own.array().isNaN().all()) in.refuse("/histories/elastic_force", "'" + h.name + "' is NaN in part");
+        if (none && !own.array().isNaN().all()) in.refuse("/histories/elastic_force", "'" + h.name + "' has some numbers that are NaN and some that are not");
         h.elastic_N = none ? NodeField(0, push.cols()) : NodeField(own);
         h.contact.assign(contact.begin() + begin, contact.begin() + begin + T);
         if (!h.second_contact_m && std::count(h.contact.begin(), h.contact.end(), 2) > 0)
-            in.refuse("/histories/contact", "'" + h.name + "' touches a second place, and has none");
+            in.refuse("/histories/contact", "'" + h.name + "' has contact 2, and no second place");
         histories.push_back(std::move(h));
     }
     return histories;

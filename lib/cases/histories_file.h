@@ -7,12 +7,12 @@
 
 namespace tissue {
 
-/// Group /histories of cases.h5: H histories, one after the other in K rows.
+/// Rules of the group /histories of cases.h5: H histories, one after the other in K rows.
 const DatasetTable& histories_table();
 
 void write_histories(TableWriter& out, const std::vector<History>& histories, Eigen::Index dimension);
 
-/// Throws FileError as TableReader, and where offsets, times or contacts do not fit together.
+/// Throws FileError as TableReader, and where offsets, times, contacts or NaN rows are inconsistent.
 std::vector<History> read_histories(TableReader& in);
 
 }  // namespace tissue

@@ -17,16 +17,19 @@ namespace tissue {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
-constexpr double away_s = 0.8;  // between the two touches of kind "again": by then what let go has swung out, of the imprint a good part is left
+// Time between the two touches of kind "again". By then the released tissue no longer oscillates, but a good part of
+// the imprint is left.
+constexpr double away_s = 0.8;
 
-/// Drawn for one course: where it begins, and how its numbers and directions go on. In the plane and in space.
+/// Random draws of a group's histories: contacts, directions and numbers. Derived for the plane and for space.
 class Begun {
    public:
     virtual ~Begun() = default;
-    virtual void next(PlannedHistory& history) = 0;     ///< another contact: fills push, and second_contact_m where the group has one
+    /// Draws the next contact: fills push, and second_contact_m where the group has one.
+    virtual void next(PlannedHistory& history) = 0;
     virtual double uniform(double low, double high) = 0;
-    virtual Point strayed() = 0;                        ///< a direction, up to wander_deg from the contact's
-    virtual Point second_direction() const = 0;         ///< of the second touch
+    virtual Point strayed() = 0;                 ///< a unit vector, drawn up to wander_deg from the contact's direction
+    virtual Point second_direction() const = 0;  ///< unit vector of the second touch
 };
 
 std::string key_of(const Study::Histories& group) {
@@ -75,7 +78,7 @@ class BegunInSpace : public Begun {
         direction_ = history.push.direction;
     }
     double uniform(double low, double high) override { return draws_.uniform(low, high); }
-    /// Even in solid angle, as tilts of draws are.
+    /// Uniform in solid angle, as the tilts of draws are.
     Point strayed() override {
         const double off_deg = std::acos(uniform(std::cos(group_.wander_deg * degree), 1)) / degree;
         return surface_push(direction_, std::min(off_deg, group_.wander_deg), uniform(0, 360));
@@ -92,8 +95,8 @@ double log_uniform(Begun& begun, const double (&range)[2]) {
     return std::clamp(std::exp(begun.uniform(std::log(range[0]), std::log(range[1]))), range[0], range[1]);
 }
 
-Course drawn_course(Begun& begun, const Study::Histories& group, const StudyPath& push) {
-    CourseMaker course(push.contact_m.size());
+Trajectory drawn_course(Begun& begun, const Study::Histories& group, const StudyPath& push) {
+    TrajectoryBuilder course(push.contact_m.size());
     const Point deep_m = push.depth_m * push.direction;
     if (group.kind == "sine") {
         course.sine(deep_m, log_uniform(begun, group.frequency_Hz), group.duration_s);
@@ -126,7 +129,7 @@ Course drawn_course(Begun& begun, const Study::Histories& group, const StudyPath
     throw StudyError(one_line(fmt::format("{}: key 'contact_m' of {}: {}", study.file, key_of(group), why)));
 }
 
-/// The contact of a file's course, on the surface.
+/// The contact of a trajectory from a file, on the surface.
 Point listed_contact(const Study& study, const std::optional<Shape>& shape, const Study::Histories& group) {
     const Point& at = group.contact_m;
     if (study.geometry.is_block()) return at;
@@ -135,7 +138,7 @@ Point listed_contact(const Study& study, const std::optional<Shape>& shape, cons
         const FreeSurface::Place place = surface.nearest(at);
         if (place.distance_m > surface.spacing_m()) refuse_place(study, group, fmt::format("is {:.3g} mm off the free surface", 1e3 * place.distance_m));
         if (surface.clearance_m(place.point_m) < study.indenter.clearance_m())
-            refuse_place(study, group, fmt::format("is {:.3g} mm from where the surface ends or turns; a disc needs {:g} mm",
+            refuse_place(study, group, fmt::format("is {:.3g} mm from where the free surface ends or turns; a disc needs {:g} mm",
                                                    1e3 * surface.clearance_m(place.point_m), 1e3 * study.indenter.clearance_m()));
         return place.point_m;
     }

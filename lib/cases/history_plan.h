@@ -5,32 +5,34 @@
 #include <string>
 #include <vector>
 
-#include "cases/course.h"
+#include "cases/trajectory.h"
 #include "mesh/shape.h"
 #include "study/study.h"
 
 namespace tissue {
 
-/// One course of the tool that finite elements are to follow in time.
+/// One displacement history of the tool that finite elements are to solve.
 struct PlannedHistory {
-    StudyPath push;  ///< name ("ramp-0001"), contact, direction of the first stroke, how far from rest the tool goes at most
+    /// Name ("ramp-0001"), contact, direction of the first ramp (for a file of the largest displacement), largest
+    /// depth.
+    StudyPath push;
     std::string group, kind, role;  ///< as in Study::Histories
-    std::optional<Point> second_contact_m;  ///< where the tool touches again, where that is another place
-    Course course;
+    std::optional<Point> second_contact_m;  ///< where the tool touches again; none where that is the first contact
+    Trajectory course;
 
-    /// Whether the same course is solved on elastic tissue too: where tissue relaxes, but not of a tool that lands again, which takes
-    /// the surface as the tissue has left it and so goes another way.
+    /// Whether the same history is solved on elastic tissue too: where the tissue relaxes and the tool is never away. A
+    /// tool that lands again takes the surface as it is then, so its displacement would differ on elastic tissue.
     bool has_elastic(const Study& study) const {
         return study.material.relaxes() && std::find(course.contact.begin(), course.contact.end(), 0) == course.contact.end();
     }
-    /// Name of that course.
+    /// Name of the history on elastic tissue.
     std::string elastic_name() const { return push.name + "-elastic"; }
 };
 
-/// Every course of a study's histories, group by group, all drawn before any of them is solved. A group's contacts and all else are drawn
-/// by a stream of its own, and its contacts keep 2 mm or 5 degrees from every training contact.
-/// Throws MismatchError when a draw finds no such contact; StudyError for a file's contact that is off the surface of a shape; FileError
-/// as read_course.
+/// All histories of a study, group by group, drawn before any of them is solved. Each group has its own random stream.
+/// Its drawn contacts are 2 mm or 5 degrees from every training contact.
+/// Throws MismatchError when a draw finds no such contact; StudyError where the contact of a file is off the surface of
+/// a shape or too near to where it ends; FileError as read_course.
 std::vector<PlannedHistory> planned_histories(const Study& study, const std::optional<Shape>& shape = {});
 
 }  // namespace tissue

@@ -16,7 +16,7 @@ namespace {
 constexpr int csv_version = 1, two_tools_version = 2;
 constexpr double same_magnitude = 1e-9;  // relative
 
-/// nodes: the lattice's (N x D). second: whether the row ends with a second disc's force.
+/// nodes: of the lattice (N x D). second: whether the row ends with the force of a second disc.
 PathRecord read_step(const PathLines& line, const NodeField& nodes, bool second) {
     const auto D = static_cast<std::size_t>(nodes.cols());
     line.want(7 + (second ? 3 : 2) * D);
@@ -28,7 +28,7 @@ PathRecord read_step(const PathLines& line, const NodeField& nodes, bool second)
     r.smallest_J = line.number(4 + 2 * D);
     const double iterations = line.number(5 + 2 * D);
     if (iterations < 0 || iterations > std::numeric_limits<int>::max() || iterations != std::floor(iterations))
-        line.refuse(fmt::format("{:g} is no number of Newton iterations", iterations));
+        line.refuse(fmt::format("{:g} is not a number of Newton iterations", iterations));
     r.newton_iterations = static_cast<int>(iterations);
     r.newton_residual = line.number(6 + 2 * D);
     if (second) r.second_force_N = line.point(7 + 2 * D, D);
@@ -46,7 +46,7 @@ void read_node(const PathLines& line, const SpringMesh& mesh, PathRecord& r) {
     } catch (const MismatchError& e) {
         line.refuse(e.what());
     }
-    if (!std::isnan(r.displacement(node, 0))) line.refuse("the node stands twice in its record");
+    if (!std::isnan(r.displacement(node, 0))) line.refuse("the node is twice in its record");
     r.displacement.row(node) = line.point(1 + D, D).transpose();
     r.force.row(node) = line.point(1 + 2 * D, D).transpose();
 }
@@ -55,10 +55,10 @@ void read_node(const PathLines& line, const SpringMesh& mesh, PathRecord& r) {
 
 LoadPath read_path_csv(const std::string& file, const NodeField& nodes, bool second) {
     PathLines line(file);
-    if (!line.next() || line.kind() != "tissuectl load path") line.refuse("is not a load path of this project");
+    if (!line.next() || line.kind() != "tissuectl load path") line.refuse("is not a tissuectl load path");
     line.want(2);
-    if (line.number(1) != csv_version && line.number(1) != two_tools_version) line.refuse("is of another format version; this program reads 1 and 2");
-    if (second != (line.number(1) == two_tools_version)) line.refuse(second ? "is of one disc, and the path has two" : "is of two discs, and the path has one");
+    if (line.number(1) != csv_version && line.number(1) != two_tools_version) line.refuse("has another format version; this program reads 1 and 2");
+    if (second != (line.number(1) == two_tools_version)) line.refuse(second ? "has one disc, and the path has two" : "has two discs, and the path has one");
 
     SpringMesh lattice;
     lattice.nodes = nodes;
@@ -71,13 +71,13 @@ LoadPath read_path_csv(const std::string& file, const NodeField& nodes, bool sec
         rows = 0;
     };
     while (line.next()) {
-        if (ended) line.refuse("stands after the end row");
+        if (ended) line.refuse("follows the end row");
         if (line.kind() == "step") {
             close_record();
             path.records.push_back(read_step(line, nodes, second));
             const auto& r = path.records;
             if (r.size() > 1 && !(r.back().magnitude_m > r[r.size() - 2].magnitude_m))
-                line.refuse("the magnitudes do not ascend");
+                line.refuse("the magnitudes must ascend");
         } else if (line.kind() == "node" && !path.records.empty()) {
             read_node(line, lattice, path.records.back());
             ++rows;
@@ -93,7 +93,7 @@ LoadPath read_path_csv(const std::string& file, const NodeField& nodes, bool sec
             path.lost = line.text_from(2);
             ended = true;
         } else {
-            line.refuse("is neither a step, a node, an end nor a lost row");
+            line.refuse("is not a step, node, end or lost row");
         }
     }
     if (!ended) line.refuse("the file is truncated: it has no end row");
@@ -145,7 +145,7 @@ PathRecord measured_record(double magnitude_m, const Point& force_N, const Point
 
 namespace {
 
-/// "10mm" a magnitude: as many digits as tell all of them apart, at least so many.
+/// Labels such as "10mm", with at least least_digits significant digits and as many as make all labels different.
 std::vector<std::string> labels_of(const std::vector<double>& magnitudes_m, int least_digits) {
     for (int digits = least_digits; digits <= 17; ++digits) {
         std::vector<std::string> labels;
@@ -178,7 +178,7 @@ std::vector<double> load_magnitudes(const Cases& cases, const LoadPath& path) {
 
 std::vector<LoadCase> load_cases(const Cases& cases) {
     std::vector<LoadCase> list;
-    labels_of(cases.magnitudes_m, 6);  // refuses two at one magnitude
+    labels_of(cases.magnitudes_m, 6);  // refuses two equal magnitudes
     for (const LoadPath& path : cases.paths) {
         if (path.role != "train") continue;
         const std::vector<double> magnitudes = load_magnitudes(cases, path);

@@ -17,14 +17,15 @@ namespace tissue {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
-constexpr double apart_m = 0.002;                            // of what is held out from what is trained on
-constexpr double same_contact_m = 0.0002;                    // along the surface: one place to train at
-constexpr double same_angle = 3 * degree;                    // one direction to train in
-constexpr double repeat_m = 0.0005, repeat_part = 0.2;       // how far repeats of one push may lie apart
+// Least distance of test and validation from training contacts.
+constexpr double apart_m = 0.002;
+constexpr double same_contact_m = 0.0002;                    // largest extent of one training place along the surface
+constexpr double same_angle = 3 * degree;                    // largest difference of directions of one training path
+constexpr double repeat_m = 0.0005, repeat_part = 0.2;       // largest differences of repeats of one indentation
 constexpr double outlier = 5;                                // standard deviations
 constexpr int least_contacts = 4;
 
-/// One push and its rows, whose means it carries.
+/// One indentation: its rows and their means.
 struct Push {
     std::vector<const MeasuredRow*> rows;
     double arc = 0;
@@ -35,7 +36,8 @@ struct Push {
     throw FileError(fmt::format("{}:{}: {}", table.file, row.line, why));
 }
 
-/// Place of a row along the free surface, refused when it has none.
+/// Arc length of a row's contact along the free surface [m]. Refuses a row whose contact, displacement or force is not
+/// possible.
 double arc_of(const MeasuredTable& table, const MeasuredRow& row, const Outline& outline, double tolerance_m, double size_m) {
     const double arc = outline.arc_of(row.contact_m), off = (outline.position(arc) - row.contact_m).norm();
     if (!(off <= tolerance_m))
@@ -47,10 +49,10 @@ double arc_of(const MeasuredTable& table, const MeasuredRow& row, const Outline&
     if (std::abs(outline.angle(arc, row.displacement_m)) >= 90 * degree)
         refuse(table, row, "columns 'displacement_x', 'displacement_y': point out of the tissue");
     if (row.displacement_m.norm() > size_m)
-        refuse(table, row, fmt::format("columns 'displacement_x', 'displacement_y': push by {}, and the tissue is {} long",
+        refuse(table, row, fmt::format("columns 'displacement_x', 'displacement_y': the displacement is {}, more than the tissue's size of {}",
                                        length_text(row.displacement_m.norm()), length_text(size_m)));
     if (!(row.force_N.dot(row.displacement_m) > 0))
-        refuse(table, row, "columns 'force_x', 'force_y': the force is against the push; wanted is the indenter's "
+        refuse(table, row, "columns 'force_x', 'force_y': the force is against the displacement; give the tool's "
                            "force on the tissue");
     return arc;
 }
@@ -69,7 +71,7 @@ std::vector<Push> pushes_of(const MeasuredTable& table, const Outline& outline, 
             const double reach = std::max(repeat_m, repeat_part * first.displacement_m.norm());
             if ((row.contact_m - first.contact_m).norm() > repeat_m ||
                 (row.displacement_m - first.displacement_m).norm() > reach || row.role != first.role)
-                refuse(table, row, fmt::format("column 'push': '{}' began on line {} at another contact, displacement "
+                refuse(table, row, fmt::format("column 'push': '{}' has on line {} another contact, displacement "
                                                "or role", row.push, first.line));
         }
         push.rows.push_back(&row);
@@ -86,7 +88,7 @@ std::vector<Push> pushes_of(const MeasuredTable& table, const Outline& outline, 
     return pushes;
 }
 
-/// Force of the same push when measured again: the mean of a row's repeats.
+/// Mean force of the other repeats of a row's indentation [N].
 Eigen::Vector2d again(const Push& push, const MeasuredRow& row) {
     const auto n = static_cast<double>(push.rows.size());
     return (n * push.force_N - row.force_N) / (n - 1);
@@ -101,7 +103,7 @@ void estimate_noise(const std::vector<Push>& pushes, const Study::Data& data, Me
             displacement += (row->displacement_m - push.displacement_m).squaredNorm();
         }
     }
-    if (m.repeats > 0) {  // two components a row
+    if (m.repeats > 0) {  // each degree of freedom has two components
         m.force_noise = std::sqrt(force / (2.0 * m.repeats));
         m.displacement_noise_m = std::sqrt(displacement / (2.0 * m.repeats));
         m.noise_source = "repeats";
@@ -116,7 +118,7 @@ void estimate_noise(const std::vector<Push>& pushes, const Study::Data& data, Me
             const double away = (row->force_N - again(push, *row)).norm() / push.force_N.norm();
             const double expected = m.force_noise * std::sqrt(1 + 1 / (n - 1));
             if (away > outlier * expected)
-                m.outliers.push_back(fmt::format("line {}: {:.1f} % from its repeats, {:.1f} standard deviations",
+                m.outliers.push_back(fmt::format("line {}: differs from its repeats by {:.1f} %, {:.1f} standard deviations",
                                                  row->line, 100 * away, away / expected));
         }
 }
@@ -128,7 +130,8 @@ std::vector<Push*> along_the_surface(std::vector<Push>& pushes) {
     return sorted;
 }
 
-/// Cut where neighbours keep `apart_m`, however far a row of near ones goes on: no two contacts are near each other.
+/// Groups the indentations by contact, split wherever neighbours along the surface are `apart_m` or more apart. A group
+/// may be of any length, so that no indentations of different groups are nearer than that.
 std::vector<std::vector<Push*>> contacts_of(std::vector<Push>& pushes) {
     std::vector<std::vector<Push*>> contacts;
     for (Push* p : along_the_surface(pushes)) {
@@ -138,7 +141,8 @@ std::vector<std::vector<Push*>> contacts_of(std::vector<Push>& pushes) {
     return contacts;
 }
 
-/// Places to train at, none longer than `same_contact_m`: of a fine scan's pushes the mean was made by nobody.
+/// Groups the training indentations by place. No place is longer than `same_contact_m`, because the mean of a long row
+/// of closely spaced indentations would stand for none of them.
 std::vector<std::vector<Push*>> places_of(std::vector<Push>& pushes) {
     std::vector<std::vector<Push*>> places;
     for (Push* p : along_the_surface(pushes)) {
@@ -148,7 +152,7 @@ std::vector<std::vector<Push*>> places_of(std::vector<Push>& pushes) {
     return places;
 }
 
-/// What each contact is for, by the study's seed.
+/// Draws the role of each contact by the study's seed.
 std::vector<std::string> draw_roles(const std::vector<std::vector<Push*>>& contacts, const Outline& outline,
                                     const Study::Data& data) {
     std::vector<std::size_t> free;
@@ -159,7 +163,8 @@ std::vector<std::string> draw_roles(const std::vector<std::vector<Push*>>& conta
         if (!corner) free.push_back(i);
     }
     const Rng rng = seeded_rng(data.seed);
-    if (!free.empty()) gsl_ran_shuffle(rng.get(), free.data(), free.size(), sizeof free[0]);  // of none, GSL counts down from below 0
+    // of an empty list GSL would count down from the index 0 - 1, the largest std::size_t
+    if (!free.empty()) gsl_ran_shuffle(rng.get(), free.data(), free.size(), sizeof free[0]);
     const auto part = [&](double p) -> std::size_t {
         return p > 0 ? static_cast<std::size_t>(std::max(1L, std::lround(p * static_cast<double>(contacts.size())))) : 0;
     };
@@ -170,7 +175,7 @@ std::vector<std::string> draw_roles(const std::vector<std::vector<Push*>>& conta
     return roles;
 }
 
-/// The training pushes at one place, a path a direction.
+/// Adds the training indentations at one place, one path for each direction.
 void add_training(Cases& cases, const Outline& outline, const std::vector<Push*>& pushes) {
     double arc = 0;
     for (const Push* p : pushes) arc += p->arc / static_cast<double>(pushes.size());
@@ -185,7 +190,7 @@ void add_training(Cases& cases, const Outline& outline, const std::vector<Push*>
         path.name = fmt::format("s{:06.0f}-{}{:05.0f}", 1e6 * arc, angle < 0 ? "m" : "p", 1e2 * std::abs(angle) / degree);
         path.contact_m = outline.position(arc);
         path.direction = outline.direction(arc, angle);
-        std::map<long, std::vector<const Push*>> by_depth;  // to 0.1 um, since a path's records ascend
+        std::map<long, std::vector<const Push*>> by_depth;  // rounded to 0.1 um; the records of a path have to ascend
         for (std::size_t i = first; i < last; ++i) {
             const Push* p = by_angle[i].second;
             by_depth[std::lround(1e7 * p->displacement_m.dot(path.direction))].push_back(p);
@@ -204,7 +209,8 @@ void add_training(Cases& cases, const Outline& outline, const std::vector<Push*>
     }
 }
 
-/// Of one name, given to 0.001 mm and 0.01 degrees, all but the first get a number.
+/// Makes names different: names are rounded to 0.001 mm and 0.01 degrees, and all but the first of equal ones get a
+/// number.
 void name_apart(std::vector<LoadPath>& paths) {
     std::set<std::string> names;
     for (LoadPath& path : paths) {
@@ -254,10 +260,11 @@ Cases measured_cases(const Study& study, const MeasuredTable& table) {
                 const MeasuredRow &row = *contact[i]->rows.front(), &before = *contact[i - 1]->rows.front();
                 if ((row.role == "train") != (before.role == "train"))
                     refuse(table, row, fmt::format("column 'role': '{}', less than 2 mm along the surface from the '{}' of "
-                                                   "line {}; what is held out would have been trained on", row.role,
+                                                   "line {}; the test set and the training set must be apart", row.role,
                                                    before.role, before.line));
             }
-            roles.push_back(contact.front()->rows.front()->role == "train" ? "train" : "");  // of its own rows
+            // "": the roles of its rows are used, validation or held_out
+            roles.push_back(contact.front()->rows.front()->role == "train" ? "train" : "");
         }
 
     std::vector<Push> trained;
@@ -276,7 +283,7 @@ Cases measured_cases(const Study& study, const MeasuredTable& table) {
             proved |= role == "held_out";
         }
     if (places.size() < least_contacts || !proved)
-        throw FileError(fmt::format("{}: has {} rows at {} contacts, of which {} are to train on and {} held out; at least "
+        throw FileError(fmt::format("{}: has {} rows at {} contacts, of which {} are for training and {} for the test set; at least "
                                     "{} and 1 are needed", table.file, table.rows.size(), contacts.size(), places.size(),
                                     proved ? "some" : "none", least_contacts));
     name_apart(cases.paths);

@@ -46,7 +46,7 @@ MeasuredTable read_measured_csv(const std::string& file) {
         for (std::size_t i = 0; i < line.size(); ++i) fields.push_back(trimmed(line.field(i)));
         const auto [twin, fresh] = seen.emplace(fields, line.number());
         if (!fresh)
-            line.refuse(fmt::format("is the same as line {} in every column; tell repeats that read alike apart in a "
+            line.refuse(fmt::format("is the same as line {} in every column; number identical repeats in a "
                                     "column 'repeat'", twin->second));
         table.rows.push_back(row);
     }

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t least_rows = 8;
 constexpr double same_contact_m = 0.0002, apart_m = 0.002;
-constexpr double at_rest = 0.05;  // of its largest push, at most, where a history begins
+constexpr double at_rest = 0.05;  // largest first displacement of a history, over its largest one
 
 const std::vector<CsvColumn> known = {
     {"history", nullptr, true},                {"time", &time_units(), true},             {"contact_x", &length_units(), true},
@@ -36,7 +36,7 @@ struct Row {
     Eigen::Vector2d push_m, force_N;
 };
 
-/// One history's rows while they are read.
+/// One history while its rows are read.
 struct Rows {
     int line;
     Eigen::Vector2d contact_m;
@@ -63,12 +63,12 @@ std::vector<Rows> read_rows(const std::string& file) {
         const std::string name = columns.text(line, "history"), kind = columns.text(line, "kind"), role = columns.text(line, "role");
         const Eigen::Vector2d contact(columns.number(line, "contact_x"), columns.number(line, "contact_y"));
         if (name.empty()) line.refuse("column 'history' is empty");
-        if (!can_name_a_dataset(name))  // cases.h5 could not be read again
-            line.refuse(fmt::format("column 'history' is '{}'; a name has no '/' or control character, and is not '.' or '..'", name));
+        if (!can_name_a_dataset(name))  // else cases.h5 could not be read again
+            line.refuse(fmt::format("column 'history' is '{}'; a name must have no '/' and no control character, and must not be '.' or '..'", name));
         if (columns.has("role") && role != "train" && role != "validation" && role != "held_out")
             line.refuse(fmt::format("column 'role' is '{}'; allowed: train, validation, held_out", role));
         if (all.empty() || all.back().name != name) {
-            if (!names.insert(name).second) line.refuse(fmt::format("history '{}' goes on here, after another one: its rows must stand together", name));
+            if (!names.insert(name).second) line.refuse(fmt::format("history '{}' continues here after another one: its rows must follow each other", name));
             all.push_back({line.number(), contact, name, kind, role, {}});
         }
         Rows& h = all.back();
@@ -76,7 +76,7 @@ std::vector<Rows> read_rows(const std::string& file) {
         if (kind != h.kind || role != h.role) line.refuse(fmt::format("history '{}' has another kind or role than on line {}", name, h.line));
         const double time_s = columns.number(line, "time");
         if (!h.rows.empty() && !(time_s > h.rows.back().time_s))
-            line.refuse(fmt::format("column 'time': {:g} s does not come after {:g} s", time_s, h.rows.back().time_s));
+            line.refuse(fmt::format("column 'time': {:g} s is not later than {:g} s", time_s, h.rows.back().time_s));
         h.rows.push_back({time_s, {columns.number(line, "displacement_x"), columns.number(line, "displacement_y")},
                           {columns.number(line, "force_x"), columns.number(line, "force_y")}});
     }
@@ -89,7 +89,7 @@ History history_of(const std::string& file, const Rows& h, const Outline& outlin
     const double arc = outline.arc_of(h.contact_m), off = (outline.position(arc) - h.contact_m).norm();
     if (!(off <= tolerance_m)) refuse(file, h, fmt::format("has a contact {} off the free surface; allowed: {:g} mm", length_text(off), 1e3 * tolerance_m));
     if (arc < apart_m || arc > outline.length() - apart_m) refuse(file, h, "has a contact within 2 mm of the fixed edge");
-    if (h.rows.size() < least_rows) refuse(file, h, fmt::format("has {} rows, {} are the least", h.rows.size(), least_rows));
+    if (h.rows.size() < least_rows) refuse(file, h, fmt::format("has {} rows, at least {} are needed", h.rows.size(), least_rows));
     History out;
     out.name = h.name;
     out.kind = h.kind.empty() ? "measured" : h.kind;
@@ -109,17 +109,17 @@ History history_of(const std::string& file, const Rows& h, const Outline& outlin
     }
     Eigen::Index deepest = 0;
     const double depth_m = out.push_m.rowwise().norm().maxCoeff(&deepest);
-    if (!(depth_m > 0) || !(out.force_N.squaredNorm() > 0)) refuse(file, h, "has no push, or no force");
-    if (depth_m > size_m) refuse(file, h, fmt::format("pushes by {}, and the tissue is {} long", length_text(depth_m), length_text(size_m)));
-    if (!(out.push_m.row(0).norm() <= at_rest * depth_m)) refuse(file, h, fmt::format("begins {:.3g} mm in the tissue: it must begin at rest", 1e3 * out.push_m.row(0).norm()));
+    if (!(depth_m > 0) || !(out.force_N.squaredNorm() > 0)) refuse(file, h, "has no displacement, or no force");
+    if (depth_m > size_m) refuse(file, h, fmt::format("has a displacement of {}, more than the tissue's size of {}", length_text(depth_m), length_text(size_m)));
+    if (!(out.push_m.row(0).norm() <= at_rest * depth_m)) refuse(file, h, fmt::format("begins at a displacement of {:.3g} mm: it must begin at rest", 1e3 * out.push_m.row(0).norm()));
     out.push_m.row(0).setZero();
     out.direction = out.push_m.row(deepest).transpose().normalized();
-    if (std::abs(outline.angle(arc, Eigen::Vector2d(out.direction))) >= 1.5707963267948966) refuse(file, h, "pushes out of the tissue");
-    if (!(out.force_N.row(deepest).dot(out.push_m.row(deepest)) > 0)) refuse(file, h, "has a force against its deepest push; wanted is the tool's force on the tissue");
+    if (std::abs(outline.angle(arc, Eigen::Vector2d(out.direction))) >= 1.5707963267948966) refuse(file, h, "has a displacement out of the tissue");
+    if (!(out.force_N.row(deepest).dot(out.push_m.row(deepest)) > 0)) refuse(file, h, "has a force against its largest displacement; give the tool's force on the tissue");
     return out;
 }
 
-/// Along the surface, and cut where neighbours keep 2 mm.
+/// Groups the histories by contact, sorted along the surface and split wherever neighbours are 2 mm or more apart.
 std::vector<std::vector<History*>> contacts_of(std::vector<History>& histories, const Outline& outline) {
     std::vector<History*> sorted;
     for (History& h : histories) sorted.push_back(&h);
@@ -133,21 +133,23 @@ std::vector<std::vector<History*>> contacts_of(std::vector<History>& histories, 
     return contacts;
 }
 
-/// The file's own roles: what is held out may not be near what shares are fitted to. read (H): the histories' lines.
+/// Checks the file's own roles: histories of the test or validation set may not be near those that relative moduli are
+/// fitted to. first: the first history of the file. read (H): the histories as they were read, for their lines.
 void check_roles(const std::vector<std::vector<History*>>& contacts, const History* first, const std::vector<Rows>& read, const std::string& file) {
     for (const std::vector<History*>& contact : contacts)
         for (std::size_t i = 1; i < contact.size(); ++i) {
-            const History *before = std::min(contact[i - 1], contact[i]), *after = std::max(contact[i - 1], contact[i]);  // in the file
+            // in the order of the file
+            const History *before = std::min(contact[i - 1], contact[i]), *after = std::max(contact[i - 1], contact[i]);
             if ((before->role == "train") != (after->role == "train"))
                 refuse(file, read[static_cast<std::size_t>(after - first)],
-                       fmt::format("is '{}', less than 2 mm along the surface from '{}' of line {}, which is '{}'; what is held out would have been fitted", after->role,
+                       fmt::format("is '{}', less than 2 mm along the surface from '{}' of line {}, which is '{}'; the test set and the training set must be apart", after->role,
                                    before->name, read[static_cast<std::size_t>(before - first)].line, before->role));
         }
 }
 
-/// What each history is for, by the study's seed: contacts less than 2 mm apart go together.
+/// Draws the role of each history by the study's seed. Contacts less than 2 mm apart get the same role.
 void draw_roles(const std::vector<std::vector<History*>>& contacts, const Study::Data& data, const std::string& file) {
-    if (contacts.size() < 2) throw FileError(fmt::format("{}: has histories at one contact alone: one more is needed to hold out, or a column 'role'", file));
+    if (contacts.size() < 2) throw FileError(fmt::format("{}: has histories at only one contact: a test set needs a second contact, or a column 'role'", file));
     const Rng rng = seeded_rng(data.seed);
     std::vector<std::size_t> order(contacts.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -172,8 +174,8 @@ std::vector<History> read_measured_histories(const Study& study, const std::stri
     else
         check_roles(contacts, histories.data(), read, file);
     const auto none = [&](const char* role) { return std::none_of(histories.begin(), histories.end(), [&](const History& h) { return h.role == role; }); };
-    if (none("train")) throw FileError(fmt::format("{}: has no history of role 'train' to fit shares to", file));
-    if (none("held_out")) throw FileError(fmt::format("{}: has no history of role 'held_out' to judge by", file));
+    if (none("train")) throw FileError(fmt::format("{}: has no history of role 'train', which the fit of relative moduli needs", file));
+    if (none("held_out")) throw FileError(fmt::format("{}: has no history of role 'held_out', which the evaluation needs", file));
     return histories;
 }
 

@@ -8,9 +8,9 @@
 namespace tissue {
 namespace {
 
-constexpr int nodule_label = 11;  ///< of its elements
+constexpr int nodule_label = 11;  ///< label of the nodule's elements
 
-/// A law's parameters for FreeFEM. ending: "" of the base material, "_11" of the elements labelled so.
+/// Constitutive parameters for FreeFEM. ending: "" for the base material, "_11" for the elements with label 11.
 std::string parameter_arguments(const Study::LawParameters& p, const std::string& ending) {
     if (p.alpha.empty()) return fmt::format("-C1{2} {0} -C2{2} {1}", p.C1_Pa, p.C2_Pa, ending);
     std::string text;
@@ -19,7 +19,7 @@ std::string parameter_arguments(const Study::LawParameters& p, const std::string
     return text;
 }
 
-/// The law and its parameters for FreeFEM; those of the named regions after the base material's.
+/// Material law and parameters for FreeFEM: those of the base material, then those of the named regions.
 std::string law_arguments(const Study::Material& m) {
     std::string text = parameter_arguments(m, "");
     if (m.law == "ogden") text = fmt::format("-law ogden -terms {} ", m.alpha.size()) + text;
@@ -28,7 +28,7 @@ std::string law_arguments(const Study::Material& m) {
     return text;
 }
 
-/// The branches of one material for FreeFEM.
+/// The Maxwell branches of one material for FreeFEM. Relaxation times are only given for the base material.
 std::string branch_arguments(const Study::LawParameters& p, const std::vector<Branch>& branches, const std::string& ending) {
     std::string text;
     for (std::size_t k = 0; k < branches.size(); ++k) {
@@ -38,7 +38,8 @@ std::string branch_arguments(const Study::LawParameters& p, const std::vector<Br
     return text;
 }
 
-/// How the tissue relaxes, for FreeFEM: times and shares of the base material, then shares of the regions or the nodule.
+/// Prony series for FreeFEM: relaxation times and relative moduli of the base material, then relative moduli of the
+/// regions or of the nodule.
 std::string viscosity_arguments(const Study& s) {
     const std::vector<Branch>& branches = s.material.viscosity;
     std::string text = fmt::format(" -branches {}", branches.size()) + branch_arguments(s.material, branches, "");
@@ -48,7 +49,7 @@ std::string viscosity_arguments(const Study& s) {
     return text;
 }
 
-/// The nodule's place for gmsh and its material for FreeFEM; nothing where there is none.
+/// Place of the nodule for gmsh and its material for FreeFEM; empty where there is none.
 std::string nodule_arguments(const Study& s) {
     if (!s.nodule) return "";
     const Inclusion& at = s.nodule->inclusion;
@@ -87,7 +88,7 @@ std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const
     std::string beds;
     if (const std::vector<double> stiffness = s.geometry.beds_Pa_m(); !stiffness.empty()) {
         beds = fmt::format(" -beds {}", fmt::join(s.geometry.beds(), ","));
-        for (std::size_t b = 0; b < stiffness.size(); ++b) beds += fmt::format(" -bed_{} {}", held_label(static_cast<int>(b) + 1), stiffness[b]);
+        for (std::size_t b = 0; b < stiffness.size(); ++b) beds += fmt::format(" -bed_{} {}", fixed_label_of(static_cast<int>(b) + 1), stiffness[b]);
     }
     return fmt::format(
         "-shape {} -unit_m {} -fixed {}{}{} -springs {} -size_near {} -size_far {} {}{} -contact_x {} -contact_y {} -contact_z {} "

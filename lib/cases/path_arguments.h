@@ -8,21 +8,23 @@
 
 namespace tissue {
 
-/// The words with which a load path is solved, as fem/*.edp and scripts/solve_path take them. Numbers are written so that they read back to the same bits.
+/// Command-line arguments with which fem/*.edp and scripts/solve_path solve a load path. Numbers are written so that
+/// they read back to the same bits.
 
-constexpr const char* solid_geo = "fem/block3.geo";  ///< of which scripts/solve_path makes a mesh a path
-constexpr const char* history_role = "history";      ///< of a path that is solved along a course
+constexpr const char* solid_geo = "fem/block3.geo";  ///< geometry from which scripts/solve_path makes each path's mesh
+constexpr const char* history_role = "history";      ///< role of a path that is solved along a displacement history
 
-/// For FreeFEM, fem/solve_path.edp.
+/// A path in the plane: arguments of fem/solve_path.edp without the mesh.
 std::string path_arguments(const Study& s, const PlannedPath& path);
 
-/// For scripts/solve_path, which shares them between gmsh and fem/solve_solid.edp.
+/// A path of a solid block: arguments of scripts/solve_path, which passes them to gmsh and to fem/solve_solid.edp.
 std::string solid_arguments(const Study& s, const PlannedPath& path);
 
-/// For scripts/solve_path, of a solid shape. springs: the mesh whose nodes are asked for.
+/// A path of a solid shape: arguments of scripts/solve_path. springs: file of the mesh whose nodes are recorded.
 std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const std::string& springs);
 
-/// What a history needs beside the arguments of a path. file: of its course.
+/// Further arguments of a history, appended to those of its path. file: its displacement history as trajectory_text()
+/// writes it. relaxes: whether the tissue relaxes in this solve.
 std::string history_arguments(const Study& s, const PlannedHistory& history, const std::string& file, bool relaxes);
 
 }  // namespace tissue

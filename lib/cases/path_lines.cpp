@@ -12,7 +12,7 @@ const std::string& PathLines::kind() const {
 }
 
 void PathLines::want(std::size_t count) const {
-    if (size() != count) refuse(fmt::format("has {} fields, a '{}' row has {}", size(), kind(), count));
+    if (size() != count) refuse(fmt::format("has {} fields, a '{}' row must have {}", size(), kind(), count));
 }
 
 void PathLines::want_at_least(std::size_t count) const {

@@ -10,27 +10,27 @@
 #include "cases/history_plan.h"
 #include "cases/path_arguments.h"
 #include "cases/shape_checks.h"
-#include "cases/study_law.h"
+#include "cases/study_energy_model.h"
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "error.h"
 #include "io/one_line.h"
-#include "mesh/held_region.h"
+#include "mesh/fixed_region.h"
 #include "surface_file/surface_file.h"
 
 namespace tissue {
 namespace {
 
-/// Words that a person wrote, as they stand in the fragment. make and the shell would take others apart, or run them.
-/// key: where they stand in the study; "" is the name of its file.
+/// Checks a user's text that goes into the fragment, and returns it. make and the shell would split or run other
+/// characters. key: its key in the study; "": the name of the study's file.
 const std::string& for_make(const Study& s, const std::string& key, const std::string& words) {
     const auto plain = [](unsigned char c) { return c < 128 && (std::isalnum(c) || std::strchr("._-+/", c)); };
     if (!words.empty() && words[0] != '-' && std::all_of(words.begin(), words.end(), plain)) return words;
-    throw StudyError(one_line(fmt::format("{}: {}: '{}': make cannot carry this name; use letters, digits and . _ - + / alone",
+    throw StudyError(one_line(fmt::format("{}: {}: '{}': make does not support this name; use only letters, digits and . _ - + /",
                                           s.file, key.empty() ? "its name" : "key '" + key + "'", words)));
 }
 
-/// For gmsh, fem/block.geo.
+/// Arguments of gmsh for fem/block.geo.
 std::string mesh_arguments(const Study& s, int refine) {
     return fmt::format("-setnumber width {} -setnumber height {} -setnumber cells_x {} -setnumber cells_y {}",
                        s.geometry.width_m, s.geometry.height_m, s.cells[0] * refine, s.cells[1] * refine);
@@ -67,13 +67,13 @@ std::string train_part(const Study& s) {
         parts += fmt::format("nodule {}{} {} {} {} {}\n", s.nodule->shape.empty() ? "" : s.nodule->shape + " ", at.centre_m()[0], at.centre_m()[1], at.centre_m()[2], at.radius_m(),
                              s.nodule->youngs_modulus_Pa());
     }
-    if (s.material.relaxes()) {  // which branches the law gets
+    if (s.material.relaxes()) {  // Maxwell branches of the energy model
         parts += fmt::format("relaxes {}{}\n", s.material.fits_shares ? "as measured " : "", s.material.long_term ? "long-term" : "instantaneous");
         for (const Branch& b : s.material.viscosity) parts += fmt::format("branch {} {}\n", b.share, b.tau_s);
         for (const Study::Region& r : s.material.regions) parts += fmt::format("shares {} {}\n", r.name, fmt::join(r.share, " "));
         if (s.nodule) parts += fmt::format("shares nodule {}\n", fmt::join(s.nodule->share, " "));
     }
-    if (s.springs.is_law())
+    if (s.springs.is_energy_model())
         return parts + (s.springs.spacing_m > 0 ? fmt::format("spacing {}\n", s.springs.spacing_m) : "") + fmt::format("law {} cap {} {}\nterms {}\nmodulus {}\ndensity {}\nthickness {}\nscales {} {} ridge {}\nstarts {} seed {}\n",
                                      s.springs.topology, s.springs.area_cap_E2, s.material.formulation, fmt::join(s.springs.terms, " "),
                                      s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m, t.force_scale,
@@ -86,14 +86,15 @@ std::string train_part(const Study& s) {
         t.k_min_E2, t.k_max_E2, t.weight_near[0], t.weight_near[1], t.weight_far[0], t.weight_far[1]);
 }
 
-/// A history as a path that is solved. elastic: on tissue that does not relax.
+/// The load path with whose arguments a history is solved. elastic: on tissue that does not relax.
 PlannedPath path_of(const Study& s, const PlannedHistory& history, bool elastic) {
     PlannedPath path{history.push, history_role, history.push.depth_m, 1, s.refine, s.sizes_m};
     if (elastic) path.push.name = history.elastic_name();
     return path;
 }
 
-/// How gmsh makes the shape's triangles or tetrahedra: an outline or a surface is filled, a mesh is converted.
+/// Arguments with which gmsh makes the shape's triangles or tetrahedra: it fills an outline or a surface, and converts
+/// a mesh.
 std::string shape_arguments(const Study& s) {
     if (is_surface_file(s.geometry.shape))
         return fmt::format("-setnumber size_near {0} -setnumber size_far {0}", s.spring_size_m);  // fem/fill3.geo
@@ -102,19 +103,19 @@ std::string shape_arguments(const Study& s) {
     return "-save";
 }
 
-/// Files of the surfaces that regions of geometry.fixed are within, each after a blank.
+/// Files of the surfaces that `within` regions of geometry.fixed refer to, each after a blank.
 std::string other_surfaces(const Study& s) {
     std::string files;
     for (const std::string& name : s.geometry.fixed)
-        if (const auto other = HeldRegion::within(name)) files += " " + other->file;
+        if (const auto other = FixedRegion::within(name)) files += " " + other->file;
     return files;
 }
 
-/// Load paths to train on, and so many of them spread over all, for a first model: names, each after a blank.
+/// Names of the training paths, each after a blank: all of them, and up to 8 spread evenly over them for a first model.
 struct TrainingNames {
     std::string all, first;
 };
-/// turns: kinds of pushes that the paths take in turn, of which a first model has as many of each.
+/// turns: number of directions that the paths take in turn. The first model gets about as many paths of each.
 TrainingNames training_names(const std::vector<PlannedPath>& paths, std::size_t turns) {
     constexpr std::size_t most = 8;
     std::vector<std::vector<std::string>> of_kind(turns);
@@ -127,14 +128,16 @@ TrainingNames training_names(const std::vector<PlannedPath>& paths, std::size_t 
     }
     const std::size_t some = std::min(most, all);
     for (std::size_t k = 0; k < some; ++k) {
-        const std::size_t kind = k % turns, picks = (some - kind + turns - 1) / turns;  // of this kind; each of them a part of a step after the kind before
+        // picks: number of paths of this kind; each kind starts a fraction 1 / turns of a step after the one before
+        const std::size_t kind = k % turns, picks = (some - kind + turns - 1) / turns;
         names.first += " " + of_kind[kind][k * of_kind[kind].size() / (picks * turns)];
     }
     return names;
 }
 
 std::string shape_part(const Study& s) {
-    const std::string beds = s.geometry.bed_Pa_m.empty() ? "" : fmt::format("beds {}\n", fmt::join(s.geometry.beds(), ","));  // which parts have labels of their own
+    // each bed has a label of its own in the mesh
+    const std::string beds = s.geometry.bed_Pa_m.empty() ? "" : fmt::format("beds {}\n", fmt::join(s.geometry.beds(), ","));
     return fmt::format("{}\n{}\nunit {}\nfixed {}\n{}regions {}\n", s.geometry.shape, shape_arguments(s), s.geometry.unit_m, fmt::join(s.geometry.fixed, ","), beds,
                        fmt::join(s.material.region_names(), ","));
 }
@@ -155,10 +158,11 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
                                      for_make(study, "geometry.shape", study.geometry.shape), shape_arguments(study));
         if (solid) {
             for (const std::string& name : study.geometry.fixed) {
-                const auto other = HeldRegion::within(name);
+                const auto other = FixedRegion::within(name);
                 for_make(study, "geometry.fixed", other ? other->file : name);
             }
-            if (const std::string others = other_surfaces(study); !others.empty()) plan.fragment += fmt::format("$(R)/mesh.made: $(wildcard{})\n", others);  // without wildcard a removed file would stop make before it rewrites the plan
+            // without wildcard a removed file would stop make before it writes the plan again
+            if (const std::string others = other_surfaces(study); !others.empty()) plan.fragment += fmt::format("$(R)/mesh.made: $(wildcard{})\n", others);
             if (study.nodule && !study.nodule->shape.empty()) plan.fragment += fmt::format("$(R)/plan.mk: $(wildcard {})\n", for_make(study, "nodule.shape", study.nodule->shape));
             for (const std::string& name : study.material.region_names()) for_make(study, "material.regions", name);
         }
@@ -174,11 +178,11 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             throw StudyError(one_line(fmt::format("{}: key '{}': {}", study.file, study.springs.spacing_m > 0 ? "springs.spacing_m" : "geometry.shape", e.what())));
         }
     }();
-    if (study.springs.is_law()) try {
-            Study rigid = study;  // the mesh may be of before the beds, and made again next
+    if (study.springs.is_energy_model()) try {
+            Study rigid = study;  // the mesh may be older than the study's beds; make will then make it again
             rigid.geometry.bed_Pa_m.clear();
-            study_law(rigid, shape, springs);
-        } catch (const MismatchError& e) {  // before hours of FE, not after
+            study_energy_model(rigid, shape, springs);
+        } catch (const MismatchError& e) {  // checked here so that the error does not come after hours of FE
             throw StudyError(one_line(fmt::format("{}: key 'springs.terms': {}", study.file, e.what())));
         }
     if (!study.data) refuse_tool(study, springs);
@@ -195,12 +199,12 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     const std::vector<PlannedHistory> histories = study.data ? std::vector<PlannedHistory>() : of_file([&] { return planned_histories(study, shape); });
     refuse_push_through(study, springs, paths);
     refuse_unknown_discs(study, paths);
-    std::string names;  // all at once: make copies the whole list for every name that is added to it
+    std::string names;  // one list: make would copy the whole list for every `+=`
     for (const PlannedPath& path : paths) names += " " + path.push.name;
     for (const PlannedHistory& history : histories) {
         for (const PlannedPath& path : paths)
             if (path.push.name == history.push.name)
-                throw StudyError(one_line(fmt::format("{}: key 'histories': '{}' of group '{}' is also the name of a load path, and they would share one file",
+                throw StudyError(one_line(fmt::format("{}: key 'histories': '{}' of group '{}' is also the name of a load path; rename one, because both would have the same file",
                                                       study.file, history.push.name, history.group)));
         names += " " + history.push.name;
         if (history.has_elastic(study)) names += " " + history.elastic_name();
@@ -215,7 +219,7 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         study.data ? "import " + for_make(study, "data.file", study.data->file) + (study.data->histories.empty() ? "" : " --histories " + for_make(study, "data.histories", study.data->histories)) : "collect --paths $(R)/cases",
         study.data ? "import" : "collect", names,
         solid                    ? std::string(study.draws.empty() ? "" : "held_out held_out_force shape solid") + (study.map ? " map" : "")
-        : study.springs.is_law() ? study.data            ? "held_out"
+        : study.springs.is_energy_model() ? study.data            ? "held_out"
                                  : study.draws.empty() ? "contours"
                                                        : "held_out held_out_force shape contours"
         : study.loads.sweep ? "held_out held_out_force shape contours springs"
@@ -242,18 +246,18 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
             mesh_arguments(study, study.check_refine));
         plan.parts["mesh-fine"] = mesh_arguments(study, study.check_refine) + "\n";
     }
-    /// How a path is solved, what it is made of, and what its part of the plan says.
+    /// Adds the rule of a path. made_of: its prerequisites; part: text of its file of the plan.
     const auto solves = [&plan](const PlannedPath& path, const std::string& arguments, const std::string& made_of, const std::string& part) {
         plan.fragment += fmt::format("\n$(R)/cases/{0}.csv: PATH_ARGUMENTS = {1}\n$(R)/cases/{0}.csv: $(R)/plan/path-{0} {2}\n", path.push.name,
                                      arguments, made_of);
         plan.parts["path-" + path.push.name] = part + "\n";
     };
-    /// The arguments of a path, what they are made of, and what its part says of them.
+    /// Arguments of a path, its prerequisites, and the text of its file of the plan.
     struct Solve {
         std::string arguments, made_of, part;
     };
     const auto solve_of = [&](const PlannedPath& path) -> Solve {
-        if (solid && shaped)  // tissuectl rim divides its surface
+        if (solid && shaped)  // solve_path calls tissuectl rim, which divides the surface along the disc's rim
             return {solid_shape_arguments(study, path, "$(R)/mesh.msh"), "$(R)/mesh.msh $(BUILD)/stage/rim scripts/run_gmsh fem/fill3.geo " + study.geometry.shape + other_surfaces(study) + (study.nodule && !study.nodule->shape.empty() ? " " + study.nodule->shape : ""),
                     solid_shape_arguments(study, path, "mesh.msh")};
         if (solid) return {solid_arguments(study, path), std::string("scripts/run_gmsh ") + solid_geo, solid_arguments(study, path)};
@@ -269,11 +273,11 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
         const Solve solve = solve_of(path);
         solves(path, solve.arguments, solve.made_of, solve.part);
     }
-    for (const Study::Histories& group : study.histories)  // another course in it is another plan
+    for (const Study::Histories& group : study.histories)  // the plan depends on the trajectory in the file
         if (!group.file.empty()) plan.fragment += "\n$(R)/plan.mk: $(wildcard " + for_make(study, "histories.file", group.file) + ")\n";
     for (const PlannedHistory& history : histories) {
         const std::string course = "history-" + history.push.name;
-        plan.parts[course] = course_text(history.course);
+        plan.parts[course] = trajectory_text(history.course);
         for (const bool elastic : {false, true}) {
             if (elastic && !history.has_elastic(study)) continue;
             const PlannedPath path = path_of(study, history, elastic);

@@ -9,18 +9,21 @@
 
 namespace tissue {
 
-/// What make needs to know of a study: a fragment that it includes, and for every stage a file that says all the
-/// stage depends on. Such a file is only written when its text changes, so editing training does not solve FE again.
+/// A study's input to make: a fragment that the Makefile includes, and for every stage a file with everything that the
+/// stage depends on. Such a file is only written when its text changes. A change of [training] thus does not repeat FE
+/// solves.
 struct Plan {
     std::string fragment;                      ///< plan.mk; $(R) stands for the study's results folder
-    std::map<std::string, std::string> parts;  ///< file name under $(R)/plan/ -> text
+    std::map<std::string, std::string> parts;  ///< text of each file, by its name under $(R)/plan/
 };
 
-/// shape: of a study that has one; without it the plan says only where the shape comes from (SHAPE, SHAPE_ARGUMENTS
-/// for gmsh) and that there is more to plan once it is meshed.
+/// shape: the meshed shape of a study that has one. Without it the plan of such a study only has the rules that mesh
+/// the shape (SHAPE, SHAPE_ARGUMENTS for gmsh) and then make plan.mk again.
+/// Throws StudyError for a study that cannot be solved or trained, and for names that make cannot have.
 Plan make_plan(const Study& study, const std::optional<Shape>& shape = {});
 
-/// The file of the study's shape and gmsh's arguments for it, as scripts/mesh takes them. Throws StudyError as make_plan.
+/// The file of the study's shape and gmsh's arguments for it, in the form that scripts/mesh takes. Throws StudyError as
+/// make_plan.
 std::string shape_words(const Study& study);
 
 }  // namespace tissue

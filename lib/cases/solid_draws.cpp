@@ -10,10 +10,11 @@ namespace tissue {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
-constexpr double least_distance_m = 0.002, least_angle_deg = 5;  // what "held out" means, beside the seed
+// Least difference between a drawn contact and every training contact, in place or in direction.
+constexpr double least_distance_m = 0.002, least_angle_deg = 5;
 constexpr int most_tries = 10'000;                            // for one contact
 
-/// Whether a push is far enough from another, in place or direction, not to be the same contact.
+/// Whether two paths differ enough, in place or in direction.
 bool apart(const StudyPath& a, const StudyPath& b) {
     const double cosine = std::clamp(a.direction.dot(b.direction), -1.0, 1.0);
     return (a.contact_m - b.contact_m).norm() >= least_distance_m || std::acos(cosine) >= least_angle_deg * degree;
@@ -42,7 +43,7 @@ StudyPath SolidDraws::push() {
     return push;
 }
 
-/// Nothing where no second disc fits so far from the first on the side that is drawn. On a block's top.
+/// Draws a side and puts a second disc there, on a block's top; nothing where it does not fit.
 std::optional<SecondTool> SolidDraws::second(const StudyPath& first, double apart_m) {
     const double side = uniform(0, 360) * degree;
     StudyPath other;
@@ -54,7 +55,7 @@ std::optional<SecondTool> SolidDraws::second(const StudyPath& first, double apar
     return SecondTool{other.contact_m, other.direction, other.depth_m};
 }
 
-/// Whether a place of a block's top is as far from the nearest wall as the draws ask.
+/// Whether the distance of a place of a block's top from the nearest wall is in the range of the draws.
 bool SolidDraws::may_be(const Point& top_m) const {
     const Study::Geometry& g = study_.geometry;
     const double wall_m = std::min({top_m[0], g.width_m - top_m[0], top_m[1], g.length_m - top_m[1]});
@@ -63,8 +64,8 @@ bool SolidDraws::may_be(const Point& top_m) const {
 
 void SolidDraws::count_down(int& tries) const {
     if (--tries < 0)
-        throw MismatchError(key_ + (draws_.of_pairs() ? ": clearance_m and apart_m leave no room for two discs so far apart, each 2 mm or 5 degrees away from all training contacts"
-                                                     : ": clearance_m and the training contacts leave no room for contacts 2 mm or 5 degrees away from all of them"));
+        throw MismatchError(key_ + (draws_.of_pairs() ? ": clearance_m and apart_m leave no space for two discs that are each 2 mm or 5 degrees from all training contacts"
+                                                     : ": clearance_m leaves no space for contacts that are 2 mm or 5 degrees from all training contacts"));
 }
 
 Point SolidDraws::place(int& tries) {
@@ -77,7 +78,7 @@ Point SolidDraws::place(int& tries) {
     }
 }
 
-/// Uniform by area: a facet by its area, then a point of it.
+/// Uniform by area: draws a facet with a probability proportional to its area, then a point of it.
 Point SolidDraws::place_on_surface(int& tries) {
     const Eigen::VectorXd& area = surface_->measure();
     while (true) {

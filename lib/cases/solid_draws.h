@@ -11,16 +11,18 @@
 
 namespace tissue {
 
-/// Pushes in space, drawn by a stream of their own, 2 mm or 5 degrees from every training push (cases/solid_sweep.h).
+/// Draws indentations in space from a random stream of their own, 2 mm or 5 degrees from every training indentation
+/// (cases/solid_sweep.h).
 class SolidDraws {
    public:
-    /// surface: of a shape; null for a block. key: of the study, which refusals name. What is given must outlive this.
+    /// surface: of a shape; null for a block. key: the study's key in messages. All references must outlive this
+    /// object.
     SolidDraws(const Study& study, const Study::Draws& draws, const std::vector<StudyPath>& trained, const FreeSurface* surface, const std::string& key);
 
-    /// Contact, direction, depth and disc; no name. Throws MismatchError when there is no such contact, as far as ten thousand
-    /// tries can tell.
-    /// Of draws of pairs the second disc too: its distance from the first uniform over their range, towards any side; its place, push and depth as the first's.
-    /// The middles are two radii apart at least when both are pushed.
+    /// Draws contact, direction, depth and disc; the name is empty. Draws of pairs have a second disc: its distance
+    /// from the first is uniform over the range of the draws, towards any side; its place, direction and depth follow
+    /// the same rules. At full depth the centres are at least two radii apart.
+    /// Throws MismatchError where ten thousand tries find no such contact.
     StudyPath push();
 
     double uniform(double low, double high) { return low + (high - low) * gsl_rng_uniform(rng_.get()); }

@@ -12,7 +12,7 @@
 namespace tissue {
 namespace {
 
-/// Elements at a contact: in proportion to its disc, and no longer than those far from it.
+/// Size of finite elements at a contact [m]: in proportion to its disc, and no larger than of those far from it.
 double near_m(const Study& study, const std::array<double, 2>& sizes_m, const StudyPath& push) {
     return std::min(study.indenter.times(push.radius_m) * sizes_m[0], sizes_m[1]);
 }

@@ -36,7 +36,7 @@ std::vector<Contact> listed_contacts(const Study& study, const FreeSurface& surf
         const std::string key = fmt::format("loads.contacts[{}].at_m", contacts.size());
         const FreeSurface::Place place = surface.nearest(c.at_m);
         if (place.distance_m > surface.spacing_m())
-            refuse(study, key, fmt::format("{} is {:.3g} mm from the free surface; its nodes lie {:.3g} mm apart", at(c.at_m), 1e3 * place.distance_m,
+            refuse(study, key, fmt::format("{} is {:.3g} mm from the free surface, whose nodes are {:.3g} mm apart", at(c.at_m), 1e3 * place.distance_m,
                                            1e3 * surface.spacing_m()));
         const double clearance_m = surface.clearance_m(place.point_m);
         if (clearance_m < study.indenter.clearance_m(c.radius_m) - tiny_m)
@@ -50,7 +50,7 @@ std::vector<Contact> listed_contacts(const Study& study, const FreeSurface& surf
 std::vector<Contact> spread_contacts(const Study& study, const FreeSurface& surface) {
     const Study::Loads::Spread& spread = *study.loads.spread;
     std::vector<Point> candidates;
-    std::vector<double> rank;  // clearance of the first, then distance from those chosen
+    std::vector<double> rank;  // for the first contact its clearance, then the distance from those chosen
     for (const Point& p : surface.points(4)) {
         const double clearance_m = surface.clearance_m(p);
         if (clearance_m < spread.clearance_m) continue;
@@ -59,8 +59,8 @@ std::vector<Contact> spread_contacts(const Study& study, const FreeSurface& surf
     }
     const auto count = static_cast<std::size_t>(spread.count);
     if (candidates.size() < count)
-        refuse(study, "loads.spread", fmt::format("the free surface has {} places {:g} mm from where it ends or turns, and {} contacts are asked for; on a small "
-                                                  "tissue indenter.radius_m has to be smaller, and clearance_m with it (radius_m + 5 mm at least)",
+        refuse(study, "loads.spread", fmt::format("the free surface has {} places {:g} mm from where it ends or turns, and {} contacts are requested; on a small "
+                                                  "tissue make indenter.radius_m smaller, and clearance_m with it (at least radius_m + 5 mm)",
                                                   candidates.size(), 1e3 * spread.clearance_m, count));
     std::vector<Contact> contacts;
     while (contacts.size() < count) {
@@ -71,7 +71,8 @@ std::vector<Contact> spread_contacts(const Study& study, const FreeSurface& surf
         const std::vector<double> radii_m = spread.radii_m.empty() ? std::vector{study.indenter.radius_m} : spread.radii_m;
         const std::size_t discs = radii_m.size();
         const double radius_m = radii_m[contacts.size() % discs];
-        const std::size_t round = discs > 1 ? contacts.size() / discs : 0;  // shifts the pushes, so that each disc gets them all
+        // shifts the directions after each round of discs, so that every disc gets all of them
+        const std::size_t round = discs > 1 ? contacts.size() / discs : 0;
         Contact contact{surface.nearest(candidates[best]), {}, study.indenter.times(radius_m) * study.loads.depth_m(), radius_m};
         for (int k = 0; k < spread.pushes_each; ++k) {
             const auto [tilt, azimuth] = spread.pushes_deg[(contacts.size() * static_cast<std::size_t>(spread.pushes_each) + static_cast<std::size_t>(k) + round) % spread.pushes_deg.size()];
@@ -82,7 +83,8 @@ std::vector<Contact> spread_contacts(const Study& study, const FreeSurface& surf
     return contacts;
 }
 
-/// "c03-t30-a137": the contact's number, tilt and azimuth in degrees, with as many decimals as tell all of them apart.
+/// The paths of all contacts. A name is "c03-t30-a137": number of the contact, tilt and azimuth in degrees, with as
+/// many decimals as make all names different.
 std::vector<StudyPath> paths_of(const std::vector<Contact>& contacts) {
     constexpr int most_decimals = 9;
     for (int decimals = 0; decimals <= most_decimals; ++decimals) {
@@ -98,7 +100,7 @@ std::vector<StudyPath> paths_of(const std::vector<Contact>& contacts) {
             }
         if (names.size() == paths.size()) return paths;
     }
-    throw MismatchError("loads.contacts: two pushes at one contact are the same");
+    throw MismatchError("loads.contacts: two directions at one contact are the same");
 }
 
 }  // namespace

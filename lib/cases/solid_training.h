@@ -9,16 +9,17 @@
 
 namespace tissue {
 
-/// The study's training pushes in space, in its order: a block's own, and those of a shape's contacts, whose places are found
-/// on the free surface of its springs. Listed ones move to its nearest point. Spread ones: each facet is divided into 16
-/// and the middles of these may be chosen that keep their distance from where the surface ends or turns; the first is the
-/// one farthest from there, each next the one farthest from those chosen (Gonzalez 1985, Theoretical Computer Science 38:
-/// 293-306); azimuths turn by the golden angle, 137.51 degrees, from contact to contact.
-/// Throws StudyError with file, key and place: a contact off the surface by more than its nodes' spacing, or too near to where
-/// it ends or turns; a surface with no room for so many.
+/// The study's training paths in space, in its order. For a block they are those of the file; for a shape their
+/// contacts are found on the free surface of its springs.
+/// Listed contacts are moved to its nearest point. Spread contacts: each facet is divided into 16 parts, whose centres
+/// are the candidates if they keep the clearance from where the surface ends or turns. The first contact is the
+/// candidate farthest from there. Each next one is the candidate farthest from those chosen (Gonzalez 1985, Theoretical
+/// Computer Science 38: 293-306). Azimuths turn by the golden angle, 137.51 degrees, from contact to contact.
+/// Throws StudyError with file, key and place: a contact farther from the surface than the spacing of its nodes, or too
+/// near to where it ends or turns; a surface with fewer candidates than contacts.
 std::vector<StudyPath> solid_training(const Study& study, const std::optional<Shape>& shape);
 
-/// The free surface of the springs of a study whose tissue is a solid shape.
+/// The free surface of the spring mesh of a study in space.
 FreeSurface study_surface(const Study& study, const std::optional<Shape>& shape);
 
 }  // namespace tissue

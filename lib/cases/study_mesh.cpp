@@ -22,7 +22,7 @@ SpringMesh study_mesh(const Study& study, const std::optional<Shape>& shape, con
     if (study.geometry.is_block()) return topologies().at(topology).on_shape(solid_block(study.lattice()), study.springs.spacing_m);
     if (!shape) throw MismatchError("study '" + study.name + "' has a shape, and these cases have none");
     const Topology& kind = topologies().at(topology);
-    if (shape->is_solid() != study.geometry.is_solid()) throw MismatchError("study '" + study.name + "' is of other dimensions than its shape");
+    if (shape->is_solid() != study.geometry.is_solid()) throw MismatchError("study '" + study.name + "' and its shape have different dimensions");
     if (kind.needs_lattice()) throw MismatchError("topology '" + topology + "' is not possible on a shape");
     return kind.on_shape(*shape, study.springs.spacing_m);
 }
@@ -50,7 +50,7 @@ std::optional<Shape> study_shape(const Study& study, const std::string& mesh_fil
 
 namespace {
 
-/// Places all over a triangle, no farther from each other than apart_m, with its corners.
+/// Points of a triangle no farther apart than apart_m, its corners included; at most 100 intervals along a side.
 std::vector<Eigen::Vector3d> places_on(const Surface& surface, Eigen::Index triangle, double apart_m) {
     constexpr double most = 100;
     const Eigen::Vector3d a = surface.corner(triangle, 0), b = surface.corner(triangle, 1) - a, c = surface.corner(triangle, 2) - a;
@@ -76,7 +76,8 @@ void refuse_nodule_outside(const Study& study, const Shape& shape) {
     const double half_m = study.sizes_m[0] / 2;
     if (!nodule.surface()) {
         if (!tissue.contains(nodule.centre_m())) refuse("centre_m", nodule.centre_m(), "is not inside " + study.geometry.shape);
-        constexpr double out = 1.03;  // where the sphere's nodes are, over its radius (fem/fill3.geo)
+        // Distance of the mesh's nodes on the ball from its centre, over its radius (fem/fill3.geo).
+        constexpr double out = 1.03;
         const double surface_m = nearest.nearest(nodule.centre_m()).distance_m, least_m = out * nodule.radius_m() + half_m;
         if (surface_m < least_m)
             refuse("radius_m", nodule.centre_m(), fmt::format("is {:.3g} mm from the surface of {}; a nodule of {:g} mm needs {:g} mm, half of mesh.sizes_m[0] more "

@@ -12,12 +12,13 @@ namespace tissue {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
-constexpr double least_arc_m = 0.002, least_angle = 5 * degree;  // what "held out" means, beside the seed
+// Least difference between a drawn contact and every training contact, in arc length or in angle.
+constexpr double least_arc_m = 0.002, least_angle = 5 * degree;
 constexpr double tiny_arc_m = 1e-9;
 constexpr int most_tries = 10'000;  // for one contact
 
-/// Angles of a training position: at a corner of the outline those of both sides, so that neighbours on either side
-/// find their own pushes there.
+/// Angles of the training contacts at a place [rad]. At a corner of the outline they are those of both sides, so that
+/// sets of neighbours on either side have their own directions there.
 std::vector<double> angles_at(const Outline& outline, double arc, const std::vector<double>& angles_deg) {
     const std::vector<double> corners = outline.corners();
     const bool corner = std::any_of(corners.begin(), corners.end(), [&](double c) { return std::abs(c - arc) < tiny_arc_m; });
@@ -28,14 +29,14 @@ std::vector<double> angles_at(const Outline& outline, double arc, const std::vec
         for (double a : angles_deg) micro_degrees.insert(std::lround((a * degree + turn) / degree * 1e6));
     }
     std::vector<double> angles;
-    for (long a : micro_degrees) {  // two sides' pushes within a degree of each other are one
+    for (long a : micro_degrees) {  // at a corner, angles within a degree of each other are one
         const double angle = static_cast<double>(a) * 1e-6 * degree;
         if (!corner || angles.empty() || angle - angles.back() > degree) angles.push_back(angle);
     }
     return angles;
 }
 
-/// Places along the surface, each once.
+/// Arc lengths of places along the surface, without repeats.
 class Arcs {
    public:
     void add(double arc) {
@@ -51,12 +52,12 @@ class Arcs {
     std::vector<double> arcs_;
 };
 
-/// The study's own list; mirrors: with the places in the other half that they stand for.
+/// Arc lengths listed in the study. mirrors: with their mirror images.
 std::vector<double> listed_arcs(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors) {
     Arcs arcs;
     for (double arc : sweep.arcs_m) {
         if (arc < sweep.clearance_m - tiny_arc_m || arc > outline.length() - sweep.clearance_m + tiny_arc_m)
-            throw MismatchError(fmt::format("loads.sweep.arcs_m: {:g} is not between clearance_m = {:g} and {:g}, as far from the "
+            throw MismatchError(fmt::format("loads.sweep.arcs_m: {:g} must be between clearance_m = {:g} and {:g}, as far from the "
                                             "surface's other end", arc, sweep.clearance_m, outline.length() - sweep.clearance_m));
         arcs.add(arc);
         if (mirrors) arcs.add(outline.length() - arc);
@@ -64,15 +65,16 @@ std::vector<double> listed_arcs(const Outline& outline, const Study::Loads::Swee
     return arcs.ascending();
 }
 
-/// Evenly from one end's clearance to the other's, and the corners between. mirrors: the first half's, and their images, which are where
-/// the second half's own would be only if the spacing divides the surface.
+/// Arc lengths at even spacing from the clearance at one end to that at the other, and of the corners between. mirrors:
+/// those of the first half and their images. (Evenly spaced places of the second half are images of the first half's
+/// only where the spacing divides the length.)
 std::vector<double> spaced_arcs(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors) {
     constexpr double most = 10'000;
     const double gaps = std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9);
     if (gaps > most) throw MismatchError(fmt::format("loads.sweep.spacing_m: {:g} makes more than {:.0f} contacts", sweep.spacing_m, most));
     if (!(gaps >= 0))
-        throw MismatchError(fmt::format("loads.sweep.clearance_m: {:g} m leaves nothing of a free surface {:g} mm long; the least is three half widths of the patch "
-                                        "(indenter.half_width_m) up to 15 mm, and 15 mm of a point", sweep.clearance_m, 1e3 * outline.length()));
+        throw MismatchError(fmt::format("loads.sweep.clearance_m: {:g} m leaves no place on a free surface {:g} mm long; the least clearance is three half widths of the patch "
+                                        "(indenter.half_width_m), at most 15 mm, and for a point 15 mm", sweep.clearance_m, 1e3 * outline.length()));
     Arcs arcs;
     const auto add = [&](double arc) {
         if (mirrors && arc > outline.length() / 2 + tiny_arc_m) return;
@@ -80,7 +82,7 @@ std::vector<double> spaced_arcs(const Outline& outline, const Study::Loads::Swee
         if (mirrors) arcs.add(outline.length() - arc);
     };
     for (int i = 0; i <= static_cast<int>(gaps); ++i) add(sweep.clearance_m + i * sweep.spacing_m);
-    // corners always, since directions jump there; but those nearer an end than any push may be
+    // every corner within the clearances, because directions jump there
     for (double corner : outline.corners())
         if (corner > sweep.clearance_m - tiny_arc_m && corner < outline.length() - sweep.clearance_m + tiny_arc_m) add(corner);
     return arcs.ascending();
@@ -112,7 +114,7 @@ SurfaceContact ContactDraws::contact() {
 SurfaceContact ContactDraws::contact_within(int& tries) {
     while (true) {
         if (--tries < 0)
-            throw MismatchError(key_ + ": the training contacts leave no room for contacts 2 mm or 5 degrees away from all of them");
+            throw MismatchError(key_ + ": the free surface has no space for contacts that are 2 mm or 5 degrees from all training contacts");
         SurfaceContact c{};
         c.arc = uniform(clearance_m_, outline_.length() - clearance_m_);
         c.angle = uniform(-draws_.max_angle_deg, draws_.max_angle_deg) * degree;

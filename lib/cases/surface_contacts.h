@@ -11,28 +11,31 @@
 
 namespace tissue {
 
-/// A push in the plane: where along the free surface [m], and off its inward normal [rad].
+/// Contact and direction of an indentation in the plane: arc length along the free surface [m], and angle from its
+/// inward normal [rad], counter-clockwise positive.
 struct SurfaceContact {
     double arc, angle;
 };
 
-/// Training contacts of a sweep, all `clearance_m` and more from both ends of the surface, corners too. mirrors: the tissue is the same in
-/// the mirror, and so are its contacts: each has its image among them.
-/// Throws MismatchError for a listed place that is nearer, a clearance that leaves no place, and a spacing that makes more than 10,000.
+/// Training contacts of a sweep, corners among them, all at least `clearance_m` from both ends of the surface.
+/// mirrors: the tissue is symmetric; then the mirror image of each contact is a contact too.
+/// Throws MismatchError for a listed place nearer to an end, a clearance that leaves no place, and a spacing that makes
+/// more than 10,000 contacts.
 std::vector<SurfaceContact> training_contacts(const Outline& outline, const Study::Loads::Sweep& sweep, bool mirrors);
 
-/// Contacts in the plane, drawn by a stream of their own: uniform along the surface, `clearance_m` of the sweep from both ends, and in
-/// angle; 2 mm or 5 degrees from every training contact.
+/// Draws contacts in the plane from a random stream of their own: uniform in angle and along the surface, at least the
+/// sweep's `clearance_m` from both ends, and 2 mm or 5 degrees from every training contact.
 class ContactDraws {
    public:
-    /// key: of the study, which refusals name. What is given must outlive this.
+    /// key: the study's key in messages. All references must outlive this object.
     ContactDraws(const Study& study, const Study::Draws& draws, const Outline& outline, const std::vector<SurfaceContact>& trained,
                  const std::string& key);
 
-    /// Throws MismatchError when there is no such contact, as far as ten thousand tries can tell.
+    /// Throws MismatchError where ten thousand tries find no such contact.
     SurfaceContact contact();
 
-    /// Two that far apart along the surface, at one angle off the normal of each, the second to either side. Throws as contact().
+    /// Two contacts apart_m [m] from each other along the surface, each at the same angle from its own normal; the
+    /// second is on either side of the first. Throws as contact().
     std::array<SurfaceContact, 2> pair(double apart_m);
 
     double uniform(double low, double high);

@@ -20,15 +20,17 @@ namespace {
 constexpr double degree = 3.14159265358979323846 / 180;
 constexpr double tiny_arc_m = 1e-9, tiny_angle = 1e-9;
 
-/// Whether a contact stands for its mirror image: the first half of the surface, and in the middle pushes to one side.
+/// Whether a contact of a symmetric tissue is solved by FE, and not its mirror image: contacts of the first half of the
+/// surface, and at its centre those with an angle of 0 or more.
 bool is_solved(const Outline& outline, const SurfaceContact& c) {
     const double half = outline.length() / 2;
     return c.arc < half - tiny_arc_m || (c.arc < half + tiny_arc_m && c.angle > -tiny_angle);
 }
 
-/// A name a contact: place in 0.1 mm and angle in degrees, both with as many more decimals as tell all of them apart.
+/// Names of the contacts: place in 0.1 mm and angle in degrees, both with as many further decimals as make the names
+/// different.
 std::vector<std::string> names_of(const std::vector<SurfaceContact>& contacts) {
-    constexpr int most_decimals = 6;  // arcs lie 1e-9 m apart, angles 1e-6 degrees
+    constexpr int most_decimals = 6;  // different arcs are at least 1e-9 m apart, different angles 1e-6 degrees
     for (int decimals = 0; decimals <= most_decimals; ++decimals) {
         const double scale = std::pow(10, decimals);
         std::vector<std::string> names;
@@ -37,7 +39,7 @@ std::vector<std::string> names_of(const std::vector<SurfaceContact>& contacts) {
                                         c.angle < -tiny_angle ? "m" : "p", std::abs(c.angle) / degree * scale, 3 + decimals));
         if (std::set<std::string>(names.begin(), names.end()).size() == names.size()) return names;
     }
-    throw MismatchError("loads.sweep: two training contacts are at one place and push in one direction");
+    throw MismatchError("loads.sweep: two training contacts have the same place and direction");
 }
 
 PlannedPath plan_push(const Study& study, const Outline& outline, const SurfaceContact& c, const std::string& name,
@@ -51,7 +53,7 @@ PlannedPath plan_push(const Study& study, const Outline& outline, const SurfaceC
     return path;
 }
 
-/// The same push on the finer mesh.
+/// The same path on the finer mesh.
 PlannedPath check_of(const Study& study, PlannedPath path, const std::string& name) {
     path.push.name = name;
     path.role = "check";
@@ -129,7 +131,7 @@ std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<S
     std::set<std::string> names;
     for (const PlannedPath& p : paths)
         if (!names.insert(p.push.name).second)
-            throw MismatchError(fmt::format("{}: two load paths would be named '{}', and share one file", study.file, p.push.name));
+            throw MismatchError(fmt::format("{}: two load paths would have the name '{}' and the same file", study.file, p.push.name));
     return paths;
 }
 

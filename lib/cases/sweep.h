@@ -10,24 +10,27 @@
 
 namespace tissue {
 
-/// One FE solve of a study: which push, how deep, and what it is for.
+/// One FE solve of a study: indentation, depth and role.
 struct PlannedPath {
     StudyPath push;
-    std::string role;    ///< train, validation, held_out, held_out_full, map, check (one of them again, on the finer mesh)
+    /// train; a role of the draws (validation, held_out, held_out_WORD); map; check (another path again, on the finer
+    /// mesh).
+    std::string role;
     double depth_m;
-    int records;         ///< after the one at rest
+    int records;         ///< without the one at rest
     int refine;          ///< of the mesh it is solved on
-    std::array<double, 2> sizes_m = {};  ///< of a solid: of that mesh's elements, near the contact and far from it
+    /// For a solid: size of that mesh's elements, near the contact and far from it.
+    std::array<double, 2> sizes_m = {};
 };
 
-/// Every FE solve a study needs, in a fixed order, all drawn before any of them runs. Of training contacts that mirror
-/// each other only one is solved (mirrored() makes the other). Drawn contacts keep 2 mm or 5 degrees from every
-/// training contact. A shape, for a study that has one, need not mirror itself: all its contacts are solved.
-/// Of a solid: cases/solid_sweep.h. Every name stands once. Throws MismatchError when a draw finds no such contact, and when a listed path is named as
-/// another's check.
+/// All FE solves of a study in a fixed order, drawn before any of them runs. Names are different.
+/// In the plane only one of two training contacts of the block that mirror each other is solved, and mirrored() makes
+/// the other. On a shape all contacts are solved, because it need not be symmetric. Drawn contacts are 2 mm or 5
+/// degrees from every training contact. Solids: cases/solid_sweep.h.
+/// Throws MismatchError when a draw finds no such contact, and when a listed path has the name of another path's check.
 std::vector<PlannedPath> planned_paths(const Study& study, const std::optional<Shape>& shape = {});
 
-/// The cases with only those training paths and magnitudes that a variant keeps; drawn contacts and histories stay.
+/// The cases with only the training paths and magnitudes that a variant keeps, and with all drawn paths and histories.
 Cases thinned(const Study& study, const Cases& cases, const Study::Variant& variant);
 
 }  // namespace tissue

@@ -5,7 +5,7 @@
 #include "cases/sweep.h"
 #include "eval/statistics_json.h"
 #include "train/endings.h"
-#include "train/train_law_model.h"
+#include "train/train_study_model.h"
 #include "version.h"
 
 namespace tissue {
@@ -25,7 +25,7 @@ std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int th
         changed.loads.magnitudes_m = v.magnitudes_m;
         const Cases kept = thinned(study, cases, v);
         const TrainedModel model = train_law_model(changed, kept, threads);
-        const LawBook& book = *model.books.law;
+        const EnergyModelDiagnostics& book = *model.books.law;
         VariantResult result{v, book.paths, book.records, book.seconds, book.objective, endings_of(model.books).broken, {}, !kept.measurement};
         result.held_out = evaluate_held_out(model, kept, threads, false);
         results.push_back(std::move(result));

@@ -9,23 +9,25 @@
 
 namespace tissue {
 
-/// One variant of a study's law, trained on what it keeps and tried on the study's drawn contacts.
+/// One variant of a study's energy model: trained on its load cases, evaluated on the study's drawn contacts.
 struct VariantResult {
     Study::Variant variant;
-    int fe_paths;      ///< FE solves its training contacts need; mirrored ones count once
-    int records;       ///< pushes along them
-    double seconds;    ///< wall time of its training
-    double objective;  ///< train/train_law.h, at the end
-    std::vector<std::string> broken;  ///< what of it did not end as it promises, train/endings.h
+    int fe_paths;      ///< FE load paths that its training needs; mirror images are not counted
+    int records;       ///< load cases along these paths
+    double seconds;    ///< wall time of the training
+    double objective;  ///< TrainedEnergyModel::objective at the end of the training (train/train_energy_model.h)
+    /// Parts of the training that did not converge (Endings::broken, train/endings.h).
+    std::vector<std::string> broken;
     HeldOut held_out;
-    bool seen_inside;  ///< whether shapes are known: not of measured cases
+    bool seen_inside;  ///< whether reference displacements are known; false for measured cases
 };
 
-/// Trains and tries every variant of the study (fem/studies/NAME.toml, [[variants]]), the study itself first.
+/// Trains and evaluates every variant of the study (fem/studies/NAME.toml, [[variants]]). The first result is the study
+/// itself. threads: number of threads, without influence on the results. progress: called after each variant.
 std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int threads,
                                   const std::function<void(int done, int total, const std::string& name)>& progress = {});
 
-/// ablation.json (results/FORMATS.md).
+/// Text of ablation.json (results/FORMATS.md).
 std::string to_json(const std::vector<VariantResult>& results);
 
 }  // namespace tissue

@@ -11,19 +11,19 @@
 
 namespace tissue {
 
-ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh) {
+ContactError error_of(const ContactAnswer& answer, const ContactReference& truth, const SpringMesh& mesh) {
     return error_of(answer, truth, mesh, seen_nodes(mesh));
 }
 
-ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh, const std::vector<int>& seen) {
+ContactError error_of(const ContactAnswer& answer, const ContactReference& truth, const SpringMesh& mesh, const std::vector<int>& seen) {
     constexpr double missing = std::numeric_limits<double>::infinity();
     ContactError error{{}, {}, {}, answer.reason};
     const bool answered = answer.force_N && answer.force_N->allFinite() && answer.displacement_m.allFinite();
-    if (answer.force_N && !answered) error.reason = "the answer is not finite";
+    if (answer.force_N && !answered) error.reason = "the result is not finite";
     if (truth.force_N.squaredNorm() > 0)
         error.force = answered ? (*answer.force_N - truth.force_N).norm() / truth.force_N.norm() : missing;
     else
-        error.reason = "nothing is relative to no force";
+        error.reason = "the reference force is zero";
     if (!answered) {
         if (truth.displacement_m.size() > 0) error.shape = error.shape_max_over_depth = missing;
         return error;
@@ -43,7 +43,7 @@ ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, co
 }
 
 ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                        const ContactTruth& truth) {
+                        const ContactReference& truth) {
     return answer_of(solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m));
 }
 
@@ -52,8 +52,8 @@ ContactAnswer answer_of(const Equilibrium& state) {
     return {state.contact_force, state.displacement, {}};
 }
 
-ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point& push_m, double radius_m) {
-    const LawPress* press = nullptr;
+ContactAnswer answer_of(const IndentationSolver& law, const Point& contact_m, const Point& push_m, double radius_m) {
+    const IndentationSolver* press = nullptr;
     try {
         press = &law.of(radius_m);
     } catch (const MismatchError& unknown_disc) {
@@ -64,7 +64,7 @@ ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point
     return answer;
 }
 
-ContactAnswer answer_of(const BallPress& ball, const Point& contact_m, const Point& push_m) {
+ContactAnswer answer_of(const BallIndentation& ball, const Point& contact_m, const Point& push_m) {
     try {
         return answer_of(ball.at(contact_m, push_m));
     } catch (const ContactTooLargeError& too_deep) {
@@ -75,7 +75,7 @@ ContactAnswer answer_of(const BallPress& ball, const Point& contact_m, const Poi
 ContactStatistics contact_statistics(const std::vector<ContactError>& errors, int lost) {
     constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> force, shape, farthest;
-    std::vector<std::pair<std::string, int>> reasons;  // as they come
+    std::vector<std::pair<std::string, int>> reasons;  // in order of first occurrence
     for (const ContactError& e : errors) {
         force.push_back(e.force.value_or(nothing));
         shape.push_back(e.shape.value_or(nothing));
@@ -93,13 +93,13 @@ ContactStatistics contact_statistics(const std::vector<ContactError>& errors, in
 }
 
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
-                                             const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m) {
-    // Every law is linear in theta, so the mesh's equilibrium does not depend on a common factor and its force is
-    // proportional to it: one solve a contact serves every candidate.
+                                             const std::vector<ContactReference>& truths, double low_N_m, double high_N_m) {
+    // Spring forces are linear in theta. A common factor of theta scales the contact force and does not change the
+    // equilibrium displacement, so one solve for each contact serves every candidate.
     std::vector<Eigen::VectorXd> unit_forces, fe_forces;  // empty where there is no equilibrium
     const Eigen::VectorXd unit = uniform_stiffness(mesh, 1.0);
-    for (const ContactTruth& truth : truths) {
-        if (truth.force_N.squaredNorm() == 0) continue;  // nothing is relative to it
+    for (const ContactReference& truth : truths) {
+        if (truth.force_N.squaredNorm() == 0) continue;  // no relative error is defined
         const Equilibrium state = solve_equilibrium(mesh, law, unit, truth.contact, truth.push_m);
         unit_forces.push_back(state ? state.contact_force : Eigen::VectorXd());
         fe_forces.push_back(truth.force_N);

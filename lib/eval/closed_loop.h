@@ -5,67 +5,72 @@
 #include <vector>
 
 #include "eval/force_error.h"
-#include "springs/ball_press.h"
+#include "springs/ball_indentation.h"
 #include "springs/equilibrium.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 namespace tissue {
 
-/// A contact at which FE knows what becomes of the tissue: where, how far pushed, and the answer.
-struct ContactTruth {
-    SurfacePoint contact;           ///< in the plane
-    Eigen::VectorXd push_m;         ///< d (D)
-    Eigen::VectorXd force_N;        ///< r_fe (D)
-    NodeField displacement_m = {};  ///< u_fe (N x D); empty where it was not seen, as inside measured tissue
+/// FE reference at one contact: tool displacement, force and displacement field.
+struct ContactReference {
+    SurfacePoint contact;           ///< on the free surface; two dimensions only
+    Eigen::VectorXd push_m;         ///< tool displacement d [m] (D)
+    Eigen::VectorXd force_N;        ///< force of the tool on the tissue r_fe [N] (D)
+    NodeField displacement_m = {};  ///< u_fe [m] (N x D); empty for measured tissue, where only the force is known
 };
 
-/// What a model of any kind says of a contact held at d.
+/// Answer of one model at one contact with tool displacement d.
 struct ContactAnswer {
-    std::optional<Eigen::VectorXd> force_N;  ///< r_model (D); nothing without an answer
-    NodeField displacement_m = {};           ///< u_model (N x D), as it is seen; empty where the model has a force alone
-    std::string reason = {};                 ///< why there is no answer, for people; empty where nothing failed
+    std::optional<Eigen::VectorXd> force_N;  ///< r_model [N] (D); absent without an answer
+    /// u_model [m] (N x D), under a disc with its skin (IndentationSolver::seen); empty: force only.
+    NodeField displacement_m = {};
+    std::string reason = {};                 ///< why there is no answer; empty with an answer
 };
 
-/// How far an answer is from the truth, to a hand and to an eye. Infinity where the model has no answer (eval/statistics.h); absent where
-/// there is nothing to compare: the truth has no force or was not seen, or the model has a force alone.
+/// Indentation errors of one answer against the FE reference. Infinity: the model has no answer (eval/statistics.h).
+/// Absent: there is nothing to compare, because the reference has no force or no displacement field, or the model
+/// predicts a force only.
 struct ContactError {
     std::optional<double> force;                 ///< |r_model - r_fe| / |r_fe|
-    std::optional<double> shape;                 ///< rms of u_model - u_fe over rms of u_fe, both over the free nodes, in
-                                                 ///< space over those of the surface
+    /// rms of u_model - u_fe over rms of u_fe, over the free nodes; in space over the free nodes of the surface.
+    std::optional<double> shape;
     std::optional<double> shape_max_over_depth;  ///< largest |u_model - u_fe| of such a node, over |d|
-    std::string reason = {};                     ///< the answer's, or why no error is relative to the truth
+    std::string reason = {};                     ///< ContactAnswer::reason, or why no relative error is defined
 };
 
-/// The mesh says which nodes are free. Shape is absent where answer or truth has no displacement. Any topology will do:
-/// nodes are compared one by one. seen: those that count (seen_nodes of mesh/free_surface.h).
-ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh, const std::vector<int>& seen);
-ContactError error_of(const ContactAnswer& answer, const ContactTruth& truth, const SpringMesh& mesh);
+/// Indentation errors of force and displacement. mesh: gives the fixed nodes, which are left out; its topology does not
+/// matter. seen: nodes that are compared, one by one (seen_nodes of mesh/free_surface.h, the default).
+ContactError error_of(const ContactAnswer& answer, const ContactReference& truth, const SpringMesh& mesh, const std::vector<int>& seen);
+ContactError error_of(const ContactAnswer& answer, const ContactReference& truth, const SpringMesh& mesh);
 
-/// The spring mesh at equilibrium: the contact held where the truth has it, everything else at rest.
+/// Equilibrium of the spring mesh with the reference's tool displacement. law: spring force (10); theta [N/m] (S).
 ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                        const ContactTruth& truth);
+                        const ContactReference& truth);
 
-/// The same of any model's rest.
+/// Force and displacement of an equilibrium, or the reason why there is none.
 ContactAnswer answer_of(const Equilibrium& state);
 
-/// The law pressed there, from rest, as it is seen (LawPress::seen). radius_m: of the disc, 0 the law's own; one that the law does not know has no answer.
-ContactAnswer answer_of(const LawPress& law, const Point& contact_m, const Point& push_m, double radius_m = 0);
-/// The same of a rigid ball; a push whose contact is larger than the law knows has no answer.
-ContactAnswer answer_of(const BallPress& ball, const Point& contact_m, const Point& push_m);
+/// Equilibrium of the energy model `law` at a contact [m] (D) with tool displacement push_m [m] (D), with the skin
+/// (IndentationSolver::seen). radius_m: radius of the disc [m]; 0: the model's own. There is no answer for a radius outside the
+/// range that the model was trained under.
+ContactAnswer answer_of(const IndentationSolver& law, const Point& contact_m, const Point& push_m, double radius_m = 0);
+/// The same for a rigid ball. There is no answer where the contact is larger than the largest disc of the training, or
+/// the penetration depth larger than the effective radius R_e (springs/ball_contact.h).
+ContactAnswer answer_of(const BallIndentation& ball, const Point& contact_m, const Point& push_m);
 
-/// Errors of one model at many contacts.
+/// Indentation errors of one model over many contacts.
 struct ContactStatistics {
     Statistics force, shape, shape_max_over_depth;
-    std::string reasons;  ///< why others have no answer, each with how many, on one line; empty when all have one
+    std::string reasons;  ///< reasons of missing errors, each with its count, on one line; empty when there are none
 };
-/// lost: how many contacts more were asked for at which FE has no answer.
+/// lost: number of further contacts without an FE reference (Statistics::no_reference).
 ContactStatistics contact_statistics(const std::vector<ContactError>& errors, int lost = 0);
 
-/// The honest baseline: the one stiffness for the whole mesh [N/m] (diagonals half) with the smallest median
-/// closed-loop force error over `truths`, found on a logarithmic grid of 1 % steps between low and high [N/m].
-/// A contact without an equilibrium, whatever the stiffness, counts as an infinite error; nothing where the median is infinite.
-/// Contacts without a force are left out.
+/// Uniform baseline: the stiffness of all springs [N/m] (diagonals have half of it) with the smallest median
+/// indentation error of force over `truths`. Searched on a logarithmic grid with steps of 1 % from low to high [N/m].
+/// A contact without an equilibrium counts as an infinite error. Contacts without a force are left out. Result: absent
+/// where the median is infinite.
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
-                                             const std::vector<ContactTruth>& truths, double low_N_m, double high_N_m);
+                                             const std::vector<ContactReference>& truths, double low_N_m, double high_N_m);
 
 }  // namespace tissue

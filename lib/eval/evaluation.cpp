@@ -9,15 +9,15 @@
 #include "mesh/free_surface.h"
 #include "parallel.h"
 #include "springs/heuristic.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 namespace tissue {
 namespace {
 
-/// A model's theta at a case. Baselines have one for all cases; learned ones a set a case; a law none.
+/// Stiffness of one model: one theta for all cases (baselines), one for each case (trained sets), none (energy model).
 struct Candidate {
     std::string name;
-    std::vector<Eigen::VectorXd> theta;  ///< one, or one a case, or none
+    std::vector<Eigen::VectorXd> theta;  ///< [N/m]; size 1, C or 0
 
     const Eigen::VectorXd& at(std::size_t c) const { return theta.size() == 1 ? theta[0] : theta[c]; }
 };
@@ -28,8 +28,8 @@ std::vector<double> collect(const std::vector<CaseError>& cases, double (*value)
     return values;
 }
 
-/// L_lb over sqrt(f_fe' Q f_fe) at a case, or NaN (Evaluation::lower_bound_rel).
-double relative_bound(const TrainingBooks& books, const LoadCase& load, Eigen::Index c) {
+/// Evaluation::lower_bound_rel of case c.
+double relative_bound(const TrainingDiagnostics& books, const LoadCase& load, Eigen::Index c) {
     constexpr double rounding = 1e-9;
     const double scale = std::sqrt(books.node_weight.row(c).dot(load.record->force.rowwise().squaredNorm()));
     const bool of_nodes = books.problems.objective.empty() || books.problems.objective == "force";
@@ -37,7 +37,7 @@ double relative_bound(const TrainingBooks& books, const LoadCase& load, Eigen::I
     return alone ? books.optimum.lower_bound_N[c] / scale : std::nan("");
 }
 
-/// The uniform stiffness with the smallest median rel_loss: stands in where no closed loop exists.
+/// Uniform stiffness [N/m] with the smallest median rel_loss. Used where half of the contacts have no equilibrium.
 double uniform_by_rel_loss(const TrainedModel& model, const SpringLaw& law, const std::vector<LoadCase>& loads,
                            const std::vector<SurfacePoint>& contacts, double low, double high) {
     double best = low, best_median = std::numeric_limits<double>::infinity();
@@ -58,8 +58,8 @@ double uniform_by_rel_loss(const TrainedModel& model, const SpringLaw& law, cons
     return best;
 }
 
-/// Index of the load case of this path whose magnitude is nearest; between two, the smaller. Nothing where FE lost it before
-/// the first.
+/// Index of the load case of this path with the nearest magnitude [m]; of two equally near ones the smaller. Absent
+/// where FE ended before the first load case.
 std::optional<std::size_t> nearest_case(const std::vector<LoadCase>& loads, const LoadPath& path, double magnitude_m) {
     std::optional<std::size_t> best;
     double distance = std::numeric_limits<double>::infinity();
@@ -100,14 +100,14 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     const std::vector<LoadCase> loads = load_cases(cases);
     bool same = loads.size() == model.case_names.size() && has_nodes(model.mesh, cases.nodes);
     for (std::size_t c = 0; same && c < loads.size(); ++c) same = loads[c].name == model.case_names[c];
-    if (cases.disc_radius_m > 0) same = same && model.energy_law && model.energy_law->disc_radius_m == cases.disc_radius_m;
+    if (cases.disc_radius_m > 0) same = same && model.energy_model && model.energy_model->disc_radius_m == cases.disc_radius_m;
     if (!same) throw MismatchError("the model was trained on other cases than these");
-    if (cases.measurement && !model.energy_law)  // of an earlier program
-        throw MismatchError("these cases are measured: they can judge a law, and this model is of sets");
+    if (cases.measurement && !model.energy_model)  // a file of an earlier version
+        throw MismatchError("these cases are measured: they need an energy model, and this model has spring sets");
 
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
     std::vector<SurfacePoint> contacts;
-    std::vector<ContactTruth> truths;
+    std::vector<ContactReference> truths;
     for (const LoadCase& load : loads) {
         contacts.push_back(model.mesh.is_solid() ? SurfacePoint{} : locate_on_surface(model.mesh, load.path->contact_m));
         truths.push_back({contacts.back(), load.path->push_m(*load.record), load.record->contact_force_N,
@@ -116,16 +116,16 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
 
     Evaluation result;
     result.measurement = cases.measurement;
-    result.listed = model.case_count() <= listed_cases && !model.energy_law;
+    result.listed = model.case_count() <= listed_cases && !model.energy_model;
     const bool listed = result.listed;
     result.study = model.study;
     result.trained = model.books.trained;
     result.optimum = model.books.optimum;
     result.problems = model.books.problems;
-    result.energy_law = model.energy_law;
+    result.energy_model = model.energy_model;
     result.law_book = model.books.law;
-    std::optional<LawPress> energy;
-    if (model.energy_law) energy.emplace(model.mesh, law_of_cases(model));
+    std::optional<IndentationSolver> energy;
+    if (model.energy_model) energy.emplace(model.mesh, energy_model_of_cases(model));
     const std::vector<int> seen = seen_nodes(model.mesh);
     std::vector<Candidate> candidates;
     const auto add_sets = [&](const std::string& name, const NodeField& theta) {
@@ -142,7 +142,8 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
         candidates.push_back({"learned", {}});
     else
         add_sets("optimum", model.optimum);
-    result.uniform_N_m = 0;  // in space springs under a contact of a few nodes have a force that their mesh alone makes
+    // No uniform baseline in space: the force under a contact of a few nodes depends on the mesh
+    result.uniform_N_m = 0;
     const double low = 0.05 * model.modulus_N_m, high = 40 * model.modulus_N_m;
     const std::optional<double> uniform = model.mesh.is_solid() ? std::optional<double>() : best_uniform_stiffness(model.mesh, *law, truths, low, high);
     if (!model.mesh.is_solid()) {
@@ -170,7 +171,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
         parallel_for(static_cast<int>(loads.size()), threads, [&](int i) {
             const auto c = static_cast<std::size_t>(i);
             CaseError& e = errors.cases[c];
-            if (candidate.theta.empty()) {  // the law
+            if (candidate.theta.empty()) {  // the energy model
                 e.closed_loop = error_of(answer_of(*energy, loads[c].path->contact_m, truths[c].push_m, loads[c].path->radius_m), truths[c], model.mesh, seen);
                 return;
             }
@@ -186,11 +187,11 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     }
     for (const LoadPath& path : cases.paths)
         if (path.role == "train" && !path.lost.empty()) result.lost.push_back(path.name + ": " + path.lost);
-    result.truth = check_truth(cases);
+    result.truth = check_discretisation(cases);
     result.held_out = evaluate_held_out(model, cases, threads);
     result.two_tools = evaluate_two_tools(model, cases, threads);
     result.map = force_map(model, cases, threads);
-    if (model.energy_law) result.histories = evaluate_histories(model, cases.histories, "held_out", threads);
+    if (model.energy_model) result.histories = evaluate_histories(model, cases.histories, "held_out", threads);
     if (cases.measurement) result.histories.near_training = near_training(cases, "held_out");
     if (!listed) return result;
     result.front = ridge_front(model, cases, k_min_N_m, k_max_N_m);

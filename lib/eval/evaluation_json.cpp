@@ -18,13 +18,13 @@ int total(const std::vector<int>& values) {
     return sum;
 }
 
-int restarted_sets(const TrainingBook& t) {
+int restarted_sets(const SetDiagnostics& t) {
     int count = 0;
     for (int r : t.restarts) count += r > 0 ? 1 : 0;
     return count;
 }
 
-/// How often each status stands there.
+/// {"status": count}.
 Json counts(const std::vector<std::string>& status) {
     Json found = Json::object();
     for (const std::string& s : status) found[s] = found.value(s, 0) + 1;
@@ -35,7 +35,7 @@ bool all_are(const std::string& word, const std::vector<std::string>& status) {
     return std::all_of(status.begin(), status.end(), [&](const std::string& s) { return s == word; });
 }
 
-Json training(const TrainingBook& t) {
+Json training(const SetDiagnostics& t) {
     return {{"optimizer", t.optimizer},       {"sets", t.status.size()},
             {"restarts", total(t.restarts)},  {"restarted_sets", restarted_sets(t)},
             {"iterations", total(t.iterations)}, {"evaluations", total(t.evaluations)},
@@ -43,7 +43,7 @@ Json training(const TrainingBook& t) {
             {"status", counts(t.status)},             {"seconds", t.seconds}};
 }
 
-Json training(const LawModel& law, const LawBook& book) {
+Json training(const EnergyModel& law, const EnergyModelDiagnostics& book) {
     Json j = {{"objective", book.objective}, {"paths", book.paths}, {"records", book.records}, {"seconds", book.seconds},
               {"factor", book.factor}, {"kept", book.kept}, {"lost", book.lost}};
     for (std::size_t t = 0; t < law.terms.size(); ++t) j["terms"][law.terms[t]] = law.coefficients[static_cast<Eigen::Index>(t)];
@@ -131,7 +131,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
     for (const ModelErrors& m : evaluation.models)
         j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop(), seen_inside);
     if (!evaluation.uniform_chosen_on.empty()) j["uniform"] = {{"stiffness_N_m", evaluation.uniform_N_m}, {"chosen_on", evaluation.uniform_chosen_on}};
-    j["training"] = evaluation.law_book ? training(*evaluation.energy_law, *evaluation.law_book) : training(evaluation.trained.front());
+    j["training"] = evaluation.law_book ? training(*evaluation.energy_model, *evaluation.law_book) : training(evaluation.trained.front());
     for (std::size_t t = 1; t < evaluation.trained.size(); ++t)
         j["training_also"].push_back(training(evaluation.trained[t]));
     if (!evaluation.law_book) j["optimum"] = {{"kkt_residual_max", evaluation.optimum.kkt_residual.maxCoeff()},
@@ -196,7 +196,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
         j["truth_check"]["lost"] = evaluation.truth.lost;
         j["truth_check"]["unmatched"] = evaluation.truth.unmatched;
     }
-    if (evaluation.law_book)  // of sets `cases` has them
+    if (evaluation.law_book)  // for spring sets these errors are in `cases`
         for (std::size_t c = 0; c < evaluation.case_names.size(); ++c)
             j["trained_errors"].push_back({{"name", evaluation.case_names[c]}, {"error", or_null(evaluation.models.front().cases[c].closed_loop.force)}});
     if (!evaluation.listed) return j.dump(1) + "\n";

@@ -6,12 +6,12 @@
 
 #include "error.h"
 #include "parallel.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 namespace tissue {
 namespace {
 
-constexpr double same_m = 1e-6;  // places that are equally far
+constexpr double same_m = 1e-6;  // [m], difference below which two distances are equal
 
 std::optional<ForceMap::Contrast> contrast_of(const ForceMap& map, const NodeField& ground) {
     if (map.places.size() < 2 || ground.rows() == 0) return {};
@@ -59,8 +59,8 @@ ForceMap force_map(const TissueModel& model, const Cases& cases, int threads) {
             map.lost.push_back(path.name + ": " + path.lost);
     }
     if (map.lost.empty() && paths.empty()) return map;
-    if (!model.energy_law) throw MismatchError("a map of force is of a law, and this model is of sets");
-    const LawPress press(model);
+    if (!model.energy_model) throw MismatchError("a force map needs an energy model, and this model has spring sets");
+    const IndentationSolver press(model);
     map.places.resize(paths.size());
     parallel_for(static_cast<int>(paths.size()), threads, [&](int i) {
         const LoadPath& path = *paths[static_cast<std::size_t>(i)];
@@ -70,7 +70,7 @@ ForceMap force_map(const TissueModel& model, const Cases& cases, int threads) {
         const Equilibrium state = press.at(path.contact_m, path.push_m(record));
         if (state) place.learned_N = state.contact_force.dot(path.direction);
     });
-    map.contrast = contrast_of(map, model.energy_law->disc.ground);
+    map.contrast = contrast_of(map, model.energy_model->disc.ground);
     return map;
 }
 

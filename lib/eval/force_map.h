@@ -10,35 +10,37 @@
 
 namespace tissue {
 
-/// Force of straight pushes of one depth over the surface of a solid with a nodule, in finite elements and in the law: what a
-/// finger finds that looks for the nodule.
+/// Forces of indentations of one depth at many places of a solid's surface, in FE and in the energy model. Shows
+/// whether a stiff inclusion (nodule) can be found by palpation.
 struct ForceMap {
     struct Place {
         std::string name;
         Point contact_m;
-        double fe_N;                      ///< along the push
-        std::optional<double> learned_N;  ///< absent where the law has no answer
+        double fe_N;                      ///< FE force along the tool displacement
+        std::optional<double> learned_N;  ///< of the energy model; absent without an equilibrium
     };
     double depth_m = 0;
     std::vector<Place> places;            ///< in the study's order
-    std::vector<std::string> lost;        ///< "name: why", pushes that FE has no answer to
+    std::vector<std::string> lost;        ///< "name: why", indentations without an FE reference
 
-    /// Force at the place nearest to the nodule's middle over that at the place farthest from it, the mean of several.
+    /// Ratio of the force at the place nearest to the centre of the inclusion to the force at the place farthest from
+    /// it (mean over equally far places).
     struct Contrast {
         Point over_m;
         std::vector<Point> far_m;
         double fe;
-        std::optional<double> learned;    ///< absent where the law has no answer at one of them
+        std::optional<double> learned;    ///< absent where the energy model has no equilibrium at one of these places
     };
-    /// |learned - fe| / |fe| of all places that were pushed.
+    /// Quantiles of |learned - fe| / |fe| over all places; `lost` ones count as missing references.
     Statistics error() const;
 
-    std::optional<Contrast> contrast;     ///< absent where the model has no nodule, or fewer than two places an answer
+    std::optional<Contrast> contrast;     ///< absent without an inclusion, or with fewer than two FE references
 
     bool empty() const { return places.empty() && lost.empty(); }
 };
 
-/// The cases' paths of role map; none: an empty map. The model must have a law where there are some.
+/// Evaluates the paths of role "map" of the cases; without any the map is empty. threads: without influence on the
+/// result. Throws MismatchError where there are such paths and the model has no energy model.
 ForceMap force_map(const TissueModel& model, const Cases& cases, int threads);
 
 }  // namespace tissue

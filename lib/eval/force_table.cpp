@@ -9,7 +9,8 @@ namespace {
 constexpr double same_place = 1e-7;  // [m]
 constexpr double same_angle = 1e-6;  // [rad]
 
-/// Two neighbours in an ascending list and the second's weight; the same twice where the value is at an end or beyond.
+/// Indices of the two neighbours of a value in an ascending list, and the weight of the second. At the ends of the
+/// list, and outside, both indices are equal.
 struct Bracket {
     std::size_t low, high;
     double weight_high;

@@ -11,9 +11,9 @@
 #include "mesh/free_surface.h"
 #include "mesh/topology.h"
 #include "parallel.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/heuristic.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "springs/set_grid.h"
 
 namespace tissue {
@@ -21,7 +21,7 @@ namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
 
-/// A mesh and law on which baselines are tried.
+/// A mesh and a spring force for baselines.
 struct Setting {
     std::string suffix;
     SpringMesh mesh;
@@ -29,19 +29,19 @@ struct Setting {
     double uniform_N_m;
 };
 
-/// A baseline: one theta for the whole surface.
+/// A baseline: one theta [N/m] (S) for all contacts.
 struct Baseline {
     std::string name;
     const Setting* setting;
     Eigen::VectorXd theta;
 };
 
-ContactTruth truth_of(const SpringMesh& mesh, const LoadPath& path, const PathRecord& record) {
+ContactReference truth_of(const SpringMesh& mesh, const LoadPath& path, const PathRecord& record) {
     return {mesh.is_solid() ? SurfacePoint{} : locate_on_surface(mesh, path.contact_m), path.push_m(record), record.contact_force_N,
             record.displacement};
 }
 
-/// The mesh of the same lattice in another topology.
+/// The same lattice of nodes with springs of another topology.
 SpringMesh with_topology(const SpringMesh& mesh, const std::string& topology) {
     if (!topologies().at(topology).needs_lattice()) return mesh;
     const Eigen::Vector2d size = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).transpose();
@@ -56,8 +56,8 @@ std::vector<Setting> settings_of(const TissueModel& model, const std::vector<Loa
         const bool own = topology == model.mesh.topology && law == model.law;
         settings.push_back({own ? "" : "_" + topology + "_" + law, with_topology(model.mesh, topology),
                             make_spring_law(law), 0});
-        // a stiffness does not need every training contact to be chosen well
-        std::vector<ContactTruth> truths;
+        // at most 150 of the training contacts are enough to choose one stiffness
+        std::vector<ContactReference> truths;
         const std::size_t stride = 1 + loads.size() / 150;
         for (std::size_t c = 0; c < loads.size(); c += stride)
             truths.push_back(truth_of(settings.back().mesh, *loads[c].path, *loads[c].record));
@@ -78,11 +78,11 @@ std::vector<Setting> settings_of(const TissueModel& model, const std::vector<Loa
 
 std::vector<Baseline> baselines_of(const TissueModel& model, const std::vector<Setting>& settings, bool others) {
     std::vector<Baseline> baselines;
-    if (!model.energy_law) baselines.push_back({"one_set", &settings[0], model.one_set});
+    if (!model.energy_model) baselines.push_back({"one_set", &settings[0], model.one_set});
     const double ratio_b = model.heuristic_b.sum() / model.heuristic_a.sum();
     for (const Setting& s : settings) {
         if (!others) break;
-        // any shape: the same springs in every law, and regions have moduli of their own
+        // With springs on edges (no lattice) the model's heuristics hold for every spring force and include regions.
         const bool edges = !on_lattice(s.mesh);
         baselines.push_back({"heuristic_a" + s.suffix, &s, edges ? model.heuristic_a : heuristic_stiffness(s.mesh, model.modulus_N_m)});
         baselines.push_back({"heuristic_b" + s.suffix, &s, edges ? model.heuristic_b : heuristic_stiffness(s.mesh, ratio_b * model.modulus_N_m)});
@@ -91,26 +91,27 @@ std::vector<Baseline> baselines_of(const TissueModel& model, const std::vector<S
     return baselines;
 }
 
-/// Other constants under the law's untrained contact, of every disc that the law knows. Springs are Hooke's, as heuristics are.
-LawModel untrained_law(const TrainedModel& model, const Eigen::VectorXd& constants, bool incompressible) {
-    const LawModel& law = *model.energy_law;
-    LawModel other{{}, {}, constants, model.books.law->untrained_patch, incompressible, law.disc_radius_m, law.disc};
+/// An energy model with other constants and the untrained contact, for the same disc radii. Its springs are linear, as
+/// Van Gelder's heuristic assumes.
+EnergyModel untrained_law(const TrainedModel& model, const Eigen::VectorXd& constants, bool incompressible) {
+    const EnergyModel& law = *model.energy_model;
+    EnergyModel other{{}, {}, constants, model.books.law->untrained_patch, incompressible, law.disc_radius_m, law.disc};
     other.sizes = law.sizes;
     return other;
 }
 
-/// In space: the one stiffness of all springs [N/m], of a few round the heuristic's mean, with the smallest median force error
-/// at some of the load cases, under the law's untrained contact.
+/// In space: uniform stiffness [N/m] with the smallest median indentation error of force at some ten load cases, under
+/// the untrained contact. Candidates are 0.25 to 4 times the mean of heuristic_a, in factors of sqrt(2).
 double best_uniform_under_law(const TrainedModel& model, const std::vector<LoadCase>& loads, int threads) {
     const double mean = model.heuristic_a.mean();
-    const LawBook& book = *model.books.law;
+    const EnergyModelDiagnostics& book = *model.books.law;
     double best = mean, best_median = std::numeric_limits<double>::infinity();
     std::vector<const LoadCase*> some;
     for (std::size_t c = 0; c < loads.size(); c += 1 + loads.size() / 10)
         if (loads[c].record->contact_force_N.squaredNorm() > 0) some.push_back(&loads[c]);
     for (double factor = 0.25; factor < 4.1; factor *= std::sqrt(2.0)) {
         const Eigen::VectorXd constants = springs_alone(model.mesh, book.untrained_constants, uniform_stiffness(model.mesh, factor * mean));
-        const LawPress press(model.mesh, untrained_law(model, constants, false));
+        const IndentationSolver press(model.mesh, untrained_law(model, constants, false));
         std::vector<double> errors(some.size(), std::numeric_limits<double>::infinity());
         parallel_for(static_cast<int>(some.size()), threads, [&](int i) {
             const LoadCase& load = *some[static_cast<std::size_t>(i)];
@@ -127,7 +128,7 @@ double best_uniform_under_law(const TrainedModel& model, const std::vector<LoadC
     return best;
 }
 
-/// Contact force along the push; NaN where the mesh has no equilibrium.
+/// Contact force along the tool displacement [N]; NaN without an equilibrium.
 double pushed_force(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta, const LoadPath& path,
                     double magnitude_m) {
     const Equilibrium state = solve_equilibrium(mesh, law, theta, locate_on_surface(mesh, path.contact_m),
@@ -135,8 +136,9 @@ double pushed_force(const SpringMesh& mesh, const SpringLaw& law, const Eigen::V
     return state ? state.contact_force.dot(path.direction) : std::nan("");
 }
 
-/// The held_out contacts with the median shape error of the first model, of two the smaller, and with the largest: name and which. A missing answer is infinite: where it is the
-/// median there is none, and the largest is that of what was answered.
+/// (name, "median") and (name, "largest") of the held_out contacts by displacement error of the first model; of two
+/// medians the smaller. A missing answer is an infinite error: there is no entry where the median is infinite, and the
+/// largest is the largest finite error.
 std::vector<std::pair<std::string, std::string>> shown_shapes(const HeldOut& held_out) {
     std::vector<std::pair<double, std::string>> errors;
     if (const DrawnContacts* role = held_out.role("held_out"))
@@ -152,7 +154,7 @@ std::vector<std::pair<std::string, std::string>> shown_shapes(const HeldOut& hel
     return shown;
 }
 
-/// The push that a check repeats on the finer mesh; nullptr without one.
+/// The load path that a check path repeats on the finer mesh; nullptr without one.
 const LoadPath* repeated_by(const LoadPath& check, const Cases& cases) {
     constexpr double same_m = 1e-9, same_direction = 1e-9;
     for (const LoadPath& path : cases.paths)
@@ -164,16 +166,16 @@ const LoadPath* repeated_by(const LoadPath& check, const Cases& cases) {
 
 }  // namespace
 
-TruthCheck check_truth(const Cases& cases) {
-    TruthCheck check;
-    std::vector<double> differences;  // NaN where one of both forces is missing
+DiscretisationCheck check_discretisation(const Cases& cases) {
+    DiscretisationCheck check;
+    std::vector<double> differences;  // NaN where one of the two forces is missing
     constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
     for (const LoadPath& fine : cases.paths) {
         if (fine.role != "check") continue;
         if (!fine.lost.empty()) check.lost.push_back(fine.name + ": " + fine.lost);
         const LoadPath* coarse = repeated_by(fine, cases);
         if (!coarse) {
-            check.unmatched.push_back(fine.name + ": the study's mesh has no push at its contact, direction and depth");
+            check.unmatched.push_back(fine.name + ": the study's mesh has no load path with its contact, direction and depth");
             differences.push_back(nothing);
             continue;
         }
@@ -183,7 +185,7 @@ TruthCheck check_truth(const Cases& cases) {
             differences.push_back(there && record ? (there->contact_force_N - record->contact_force_N).norm() / record->contact_force_N.norm()
                                                   : nothing);
             if (there && record) continue;
-            if (record || fine.lost.empty())  // what the finer mesh lost is named already
+            if (record || fine.lost.empty())  // a path that ends early on the finer mesh is in check.lost
                 check.unmatched.push_back(fmt::format(
                     "{}: {} has no record at {:.4g} mm{}", fine.name, record ? coarse->name : "it", 1e3 * magnitude_m,
                     record && !coarse->lost.empty() ? ", " + coarse->lost : ""));
@@ -224,7 +226,8 @@ const DrawnContacts* HeldOut::role(const std::string& name) const {
 HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int threads, bool with_baselines) {
     HeldOut result;
     for (const LoadPath& path : cases.paths)
-        if (path.role != "train" && path.role != "check" && path.role != "map" && !path.second && !result.role(path.role))  // pairs: eval/two_tools.h
+        // pairs of tools are evaluated in eval/two_tools.h
+        if (path.role != "train" && path.role != "check" && path.role != "map" && !path.second && !result.role(path.role))
             result.roles.push_back({path.role, {}, {}});
     if (result.empty()) return result;
 
@@ -232,13 +235,13 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     const bool solid = model.mesh.is_solid();
     const std::vector<int> seen = seen_nodes(model.mesh);
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
-    // the plane's own: places along a line, and springs under a contact of two nodes
+    // two dimensions only: arc length along the free surface, and baselines under a contact of two nodes
     std::optional<Outline> outline;
     std::optional<ForceTable> table;
     std::optional<SolidForceTable> solid_table;
     std::vector<Setting> settings;
     std::vector<Baseline> baselines;
-    const double disc_m = model.energy_law ? model.energy_law->disc_radius_m : 0;
+    const double disc_m = model.energy_model ? model.energy_model->disc_radius_m : 0;
     const auto disc_of = [&](const LoadPath& path) { return path.radius_m > 0 ? path.radius_m : disc_m; };
     if (solid) {
         solid_table.emplace(table_pushes(loads, symmetries_of(model), disc_m));
@@ -249,18 +252,18 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
         baselines = baselines_of(model, settings, with_baselines);
     }
 
-    // of laws the model's own first
-    std::vector<std::pair<std::string, std::unique_ptr<LawPress>>> laws;
+    // energy models, the trained one first
+    std::vector<std::pair<std::string, std::unique_ptr<IndentationSolver>>> laws;
     std::optional<SetGrid> sets;
-    if (model.energy_law) {
-        laws.emplace_back("learned", std::make_unique<LawPress>(model.mesh, law_of_cases(model)));
-        const LawBook& book = *model.books.law;
+    if (model.energy_model) {
+        laws.emplace_back("learned", std::make_unique<IndentationSolver>(model.mesh, energy_model_of_cases(model)));
+        const EnergyModelDiagnostics& book = *model.books.law;
         const auto add = [&](const std::string& name, const Eigen::VectorXd& constants, const SpringCurve& curve) {
-            LawModel other = untrained_law(model, constants, model.energy_law->incompressible);
+            EnergyModel other = untrained_law(model, constants, model.energy_model->incompressible);
             other.curve = curve;
-            laws.emplace_back(name, std::make_unique<LawPress>(model.mesh, std::move(other)));
+            laws.emplace_back(name, std::make_unique<IndentationSolver>(model.mesh, std::move(other)));
         };
-        add("untrained", book.untrained_constants, model.energy_law->curve);
+        add("untrained", book.untrained_constants, model.energy_model->curve);
         const auto add_springs = [&](const std::string& name, const Eigen::VectorXd& theta) { add(name, springs_alone(model.mesh, book.untrained_constants, theta), SpringCurve()); };
         if (with_baselines)
             for (const Baseline& b : baselines)
@@ -303,7 +306,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
             ForceTable::Entry tabled = solid ? solid_table->at(path.contact_m, path.direction, record.magnitude_m / times)
                                              : table->at(arc, path.direction, record.magnitude_m);
             tabled.force_N *= times * times;
-            const ContactTruth truth = truth_of(model.mesh, path, record);
+            const ContactReference truth = truth_of(model.mesh, path, record);
             DrawnContact& contact = role.contacts[static_cast<std::size_t>(p)];
             const FreeSurface::Place place = solid ? surface.nearest(path.contact_m) : FreeSurface::Place{};
             const double angle = solid ? std::acos(std::clamp(place.inward.dot(path.direction), -1.0, 1.0)) : outline->angle(arc, path.direction);
@@ -323,7 +326,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
 
     constexpr std::size_t shown = 6;
     for (const LoadPath& path : cases.paths) {
-        if (cases.measurement) break;  // single presses have no curve
+        if (cases.measurement) break;  // measured load cases are single indentations
         if (path.role != "held_out" || !path.lost.empty() || result.curves.size() == shown) continue;
         DrawnCurve curve{path.name, {}, {}, {}, {}};
         for (const PathRecord& record : path.records) {

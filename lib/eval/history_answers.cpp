@@ -14,7 +14,7 @@
 namespace tissue {
 namespace {
 
-/// Weights of the trapezoidal rule (T).
+/// Weights of the trapezoidal rule [s] (T).
 Eigen::VectorXd over_time(const Eigen::VectorXd& time_s) {
     const Eigen::Index T = time_s.size();
     Eigen::VectorXd weight = Eigen::VectorXd::Zero(T);
@@ -27,7 +27,7 @@ Eigen::VectorXd over_time(const Eigen::VectorXd& time_s) {
 
 double square_over_time(const Eigen::VectorXd& time_s, const NodeField& f) { return over_time(time_s).dot(f.rowwise().squaredNorm()); }
 
-/// Row of a field at a time, straight between its times.
+/// Row of a field (T x D) at time t, interpolated linearly.
 Point row_at(const Eigen::VectorXd& time_s, const NodeField& field, double t) {
     const double* begin = time_s.data();
     const auto n = std::clamp<Eigen::Index>(std::upper_bound(begin, begin + time_s.size(), t) - begin, 1, time_s.size() - 1);
@@ -35,7 +35,7 @@ Point row_at(const Eigen::VectorXd& time_s, const NodeField& field, double t) {
     return ((1 - w) * field.row(n - 1) + w * field.row(n)).transpose();
 }
 
-/// dF/dt, straight through the neighbours (T x D).
+/// dF/dt (T x D) by differences of the neighbouring rows.
 NodeField rate(const Eigen::VectorXd& time_s, const NodeField& f) {
     NodeField out = NodeField::Zero(f.rows(), f.cols());
     const Eigen::Index T = f.rows();
@@ -46,7 +46,7 @@ NodeField rate(const Eigen::VectorXd& time_s, const NodeField& f) {
     return out;
 }
 
-/// Where the tool is on the mesh.
+/// Place of the tool on the mesh: facet, and weights of its nodes.
 struct Touch {
     int facet;
     Eigen::Vector3d weight;
@@ -64,7 +64,7 @@ Touch touch_at(const SpringMesh& mesh, const Point& contact_m) {
     return best;
 }
 
-/// Sums of a linear least-squares fit of columns to FE's force, all histories of the same weight.
+/// Normal equations of a linear least-squares fit of columns to the reference force; equal weights of histories.
 struct Fit {
     explicit Fit(Eigen::Index columns) : A(Eigen::MatrixXd::Zero(columns, columns)), b(Eigen::VectorXd::Zero(columns)) {}
     void add(const Eigen::VectorXd& time_s, const NodeField& truth, const std::vector<NodeField>& columns) {
@@ -84,10 +84,10 @@ struct Fit {
     double square = 0;
 };
 
-constexpr double slow = 0.05;  ///< rms of `prony`'s error below which mass does not matter to a history
+constexpr double slow = 0.05;  ///< rms error of `prony` below which inertia does not matter in a history
 
-TissueModel with_law(TissueModel model, LawModel law) {
-    model.energy_law = std::move(law);
+TissueModel with_law(TissueModel model, EnergyModel law) {
+    model.energy_model = std::move(law);
     return model;
 }
 
@@ -104,7 +104,7 @@ HistoryError history_error(const Eigen::VectorXd& time_s, const NodeField& truth
 
 NodeField play_history(const HapticModel& model, const History& history) {
     const HapticMesh& mesh = *model.meshes.front();
-    if (!mesh.law) throw MismatchError("histories are played by a law; this model has none");
+    if (!mesh.law) throw MismatchError("displacement histories need an energy model; this model has spring sets");
     const double dt = model.options.dt_s, step_s = dt / mesh.substeps;
     const auto dynamics = make_dynamics(mesh.dynamics, mesh.springs, {step_s, mesh.damping_1_s, mesh.law.get()});
     MeshState state(mesh.springs, mesh.theta_of_set.col(0));
@@ -123,7 +123,8 @@ NodeField play_history(const HapticModel& model, const History& history) {
     Eigen::Index next = 1;
     for (long long tick = 1; next < T; ++tick) {
         const double t = static_cast<double>(tick) * dt;
-        // a tool that lands is there at the end of FE's step, one that leaves is gone within it
+        // Within an FE step in which the contact changes the tool is away: a new contact begins at the end of the step,
+        // an old one ends at its start.
         const auto after = static_cast<std::size_t>(std::min<Eigen::Index>(std::upper_bound(history.time_s.data(), history.time_s.data() + T, t + 1e-9) - history.time_s.data(), T - 1));
         if (const int now = history.contact[after - 1] == history.contact[after] ? history.contact[after] : t + 1e-9 >= history.time_s[T - 1] ? history.contact[after] : 0; now != touching) {
             touching = now;
@@ -138,7 +139,7 @@ NodeField play_history(const HapticModel& model, const History& history) {
             const double w = std::clamp((history.time_s[next] - (t - dt)) / dt, 0.0, 1.0);
             if (touching == before)
                 answer.row(next) = ((1 - w) * last + w * force).transpose();
-            else  // nothing is half way between a tool that holds and one that is away
+            else  // no interpolation of forces across a change of contact
                 answer.row(next) = (history.contact[static_cast<std::size_t>(next)] == before ? last : force).transpose();
         }
         last = force;
@@ -199,9 +200,9 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
         table.lost_group.push_back(h.group);
     }
     if (histories.empty()) return table;
-    if (!model.energy_law) throw MismatchError("histories are played by a law; this model has none");
+    if (!model.energy_model) throw MismatchError("displacement histories need an energy model; this model has spring sets");
     table.models = {"learned", "long_term", "instantaneous", "best_factor", "kelvin_voigt", "one_branch", "prony"};
-    const LawModel& law = *model.energy_law;
+    const EnergyModel& law = *model.energy_model;
     HapticOptions options;
     options.heuristic_mesh = false;
     const HapticModel learned(model, options);
@@ -216,9 +217,9 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
         answer[h][m] = play_history(*players[m], *histories[h]);
     });
 
-    // the best that springs without the law's branches can be on these very histories
+    // fit best_factor, kelvin_voigt and one_branch to these histories
     Fit factor(1), voigt(2);
-    std::vector<NodeField> prony(H);  // 0 rows where FE has no elastic run
+    std::vector<NodeField> prony(H);  // 0 rows where FE has no run without relaxation
     std::vector<bool> fits(H);
     for (std::size_t h = 0; h < H; ++h) {
         const History& history = *histories[h];
@@ -240,7 +241,7 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
     table.kelvin_voigt[0] = ab[0];
     table.kelvin_voigt[1] = ab[1];
     double least = std::numeric_limits<double>::infinity();
-    Eigen::Vector2d branch = Eigen::Vector2d::Zero();  // of F, and of what relaxes
+    Eigen::Vector2d branch = Eigen::Vector2d::Zero();  // coefficients of F and of the relaxing part
     for (double tau_s = 0.01; tau_s < 40; tau_s *= std::pow(10, 0.05)) {
         Fit one(2);
         for (std::size_t h = 0; h < H; ++h)
@@ -276,7 +277,7 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
 }
 
 int near_training(const Cases& cases, const std::string& role) {
-    constexpr double near_m = 0.002;  // of what is held out, everywhere else
+    constexpr double near_m = 0.002;  // distance of test contacts from training contacts in every other data set
     return static_cast<int>(std::count_if(cases.histories.begin(), cases.histories.end(), [&](const History& h) {
         return h.role == role && h.lost.empty() && std::any_of(cases.paths.begin(), cases.paths.end(), [&](const LoadPath& path) {
             return path.role == "train" && (path.contact_m - h.contact_m).norm() < near_m;

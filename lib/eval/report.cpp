@@ -6,14 +6,14 @@
 #include <map>
 
 #include "eval/evaluation.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "train/endings.h"
 #include "version.h"
 
 namespace tissue {
 namespace {
 
-/// Under every table: how missing answers count (eval/statistics.h).
+/// Printed under every table: how missing answers count (eval/statistics.h).
 constexpr const char* rule =
     "*n of N*: n of all N cases have an error. A model without an answer has an infinite error; a quantile that falls on it is "
     "`none`. Where the reference has no answer no error is defined: such a case is in N and in no quantile.";
@@ -22,15 +22,15 @@ std::string summary(const Statistics& s) {
     return s.n == 0 ? "none" : fmt::format("{} / {} / {}", percent(s.median), percent(s.p95), percent(s.max));
 }
 
-double loss_at(const TrainingBook& t, Eigen::Index set, int iteration) {
+double loss_at(const SetDiagnostics& t, Eigen::Index set, int iteration) {
     double loss = std::nan("");
     for (std::size_t p = 0; p < t.curve_iteration.size() && t.curve_iteration[p] <= iteration; ++p)
         if (const double there = t.curve_loss_N(set, static_cast<Eigen::Index>(p)); !std::isnan(there)) loss = there;
     return loss;
 }
 
-/// Median over the sets of the loss at an iteration, relative to the loss at the start.
-double median_progress(const TrainingBook& t, int iteration) {
+/// Median over the sets of the loss at an iteration, over the loss at the start.
+double median_progress(const SetDiagnostics& t, int iteration) {
     std::vector<double> values;
     for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) values.push_back(loss_at(t, c, iteration) / loss_at(t, c, 0));
     return statistics_of(values).median;
@@ -45,7 +45,7 @@ std::string counted(const std::vector<std::string>& status) {
     return text;
 }
 
-/// At the head, where something that promises convergence did not reach it.
+/// Warning at the head of the report where part of the training did not converge; else "".
 std::string broken_markdown(const Evaluation& e) {
     const Endings endings = e.law_book ? endings_of(*e.law_book) : endings_of(e.problems, e.trained, e.optimum);
     if (endings.broken.empty()) return "";
@@ -63,7 +63,7 @@ std::string measurement_markdown(const Evaluation& e) {
                                                               : m.noise_source,
                                   m.noise_source == "unknown" ? "none known" : percent(m.force_noise));
     if (m.noise_source == "repeats") out += fmt::format(", {:.3f} mm", 1e3 * m.displacement_noise_m);
-    out += ". `repeat` predicts a row by the other repeats of the same push: about the error that a perfect model would have. ";
+    out += ". `repeat` predicts a row by the other repeats of the same measurement: about the error of a perfect model. ";
     out += m.outliers.empty() ? "No row is an outlier.\n\n" : "Outliers, all kept:\n\n";
     for (const std::string& line : m.outliers) out += "- " + line + "\n";
     return out + (m.outliers.empty() ? "" : "\n");
@@ -78,15 +78,15 @@ constexpr const char* shape_head = " displacement: median / p95 / max | largest 
 std::string shape_words(bool solid) {
     return fmt::format("*Displacement*: rms over the free nodes{} of u - u_fe, over the rms of u_fe.{}", solid ? " of the surface" : "",
                        solid ? " Under the disc u is what the disc imposes, (1 - (r/R)^2 / 2) d, in FE as here, so nodes there have no error; from its rim to 2.5 R "
-                               "it passes over to that of the lattice, for every energy model here (lib/springs/skin.h)." : "");
+                               "it changes to that of the lattice, for every energy model here (lib/springs/skin.h)." : "");
 }
 
-/// What the roles of a solid's contacts are, and its models, before the tables that name them.
+/// Explains roles and models of a solid, before the tables that name them.
 std::string solid_words(const HeldOut& h) {
     constexpr const char* roles[][2] = {{"validation", "used for choices during development, so its errors are too low"},
                                         {"held_out", "the test set: used for no choice; places, tilts and depths drawn as for `validation`"},
-                                        {"held_out_near", "of the test set, nearer to a wall or a corner than those"},
-                                        {"held_out_sideways", "of the test set, pushed along the top instead of into it"}};
+                                        {"held_out_near", "of the test set, nearer to a wall or a corner"},
+                                        {"held_out_sideways", "of the test set, displaced along the top instead of into it"}};
     constexpr const char* models[][2] = {
         {"learned", "the trained energy model"},
         {"force_table", "a table of FE forces at the training contacts, interpolated; no springs"},
@@ -97,17 +97,17 @@ std::string solid_words(const HeldOut& h) {
     std::string out = "## Contacts and models of the tables\n\n";
     for (const auto& [role, words] : roles)
         if (h.role(role)) out += fmt::format("- contacts of `{}`: {}\n", role, words);
-    std::set<double> heights_m;  // one of a block's top
+    std::set<double> heights_m;  // a block has one height
     for (const DrawnContacts& role : h.roles)
         for (const DrawnContact& c : role.contacts) heights_m.insert(c.contact_m[2]);
-    out += fmt::format("\nTools press {} of the tissue; *tilt* is the angle between push and inward normal. The models:\n\n",
+    out += fmt::format("\nTools press {} of the tissue; *tilt* is the angle between tool displacement and inward normal. The models:\n\n",
                        heights_m.size() < 2 ? "the top" : "the free surface");
     for (const auto& [model, words] : models)
         if (std::find(h.models.begin(), h.models.end(), model) != h.models.end()) out += fmt::format("- model `{}`: {}\n", model, words);
     return out + "\n";
 }
 
-/// Head of the table of the worst contacts, up to the depth; and what stands there of one.
+/// First columns of the table of the worst contacts: head, and cells of one contact.
 std::string place_head(bool solid) { return solid ? " x mm | y mm | tilt deg |" : " along the surface mm | angle deg |"; }
 
 std::string place_cells(const DrawnContact& c, bool solid) {
@@ -120,11 +120,11 @@ std::string shape_cells(const ContactStatistics& s) {
     return fmt::format(" {} | {} | {} |", summary(s.shape), summary(s.shape_max_over_depth), force_alone ? "none" : n_of_N(s.shape));
 }
 
-/// Whether the first of the models has an error there.
+/// Whether the first model has a finite force error at the contact.
 bool answered(const DrawnContact& c) { return c.error[0].force && std::isfinite(*c.error[0].force); }
 
-/// Errors of the first model by thirds of the contacts in space: by how thick the tissue is there, and how far from where its free surface ends or turns. Thirds of a
-/// few contacts say nothing.
+/// Errors of the first model in space, by disc radius and by thirds of the contacts: sorted by thickness of the tissue,
+/// and by distance from the edge of the free surface. Empty for fewer than 12 contacts.
 std::string by_place_markdown(const DrawnContacts& role, const std::string& model) {
     constexpr std::size_t fewest = 12;
     if (role.contacts.size() < fewest) return "";
@@ -135,7 +135,8 @@ std::string by_place_markdown(const DrawnContacts& role, const std::string& mode
             if (std::isfinite(c.*place_m)) sorted.push_back(c);
         if (sorted.size() < fewest) return;
         std::sort(sorted.begin(), sorted.end(), [&](const DrawnContact& a, const DrawnContact& b) { return a.*place_m < b.*place_m; });
-        if (sorted.back().*place_m - sorted.front().*place_m < 0.05 * sorted.back().*place_m) return;  // a block is as thick everywhere
+        // a block has one thickness
+        if (sorted.back().*place_m - sorted.front().*place_m < 0.05 * sorted.back().*place_m) return;
         for (std::size_t third = 0; third < 3; ++third) {
             const auto at = [&](std::size_t part) { return sorted.begin() + static_cast<std::ptrdiff_t>(part * sorted.size() / 3); };
             const DrawnContacts some{role.role, {at(third), at(third + 1)}, {}};
@@ -172,7 +173,7 @@ std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
             if (!answered(c)) out += fmt::format("\nNo answer of {} at {}.\n", h.models[0], c.name);
         int extrapolated = 0;
         for (const DrawnContact& c : role.contacts) extrapolated += c.extrapolated ? 1 : 0;
-        out += fmt::format("\n{} {} were drawn, {} of them without an FE reference; {} lie outside the range of the training. {}", role.drawn(),
+        out += fmt::format("\n{} {} were drawn, {} of them without an FE reference; {} are outside the range of the training. {}", role.drawn(),
                            measured ? "rows" : "contacts", role.lost.size(), extrapolated, rule);
         if (!measured) out += " " + shape_words(solid);
         out += measured ? "\n" : fmt::format(" Without an FE reference: {}{}\n", role.lost.size(), role.lost.empty() ? "." : ":");
@@ -211,7 +212,7 @@ std::string two_tools_markdown(const TwoTools& two) {
         for (const PressedPair& pair : role.pairs) nearest.push_back(&pair);
         std::sort(nearest.begin(), nearest.end(), [](const auto* a, const auto* b) { return a->apart_m() < b->apart_m(); });
         constexpr std::size_t most = 20;
-        out += fmt::format("\nPairs by the distance of their middles at rest{}; of the first and of the second disc:\n\n| pair | apart mm | depth mm | FE force N |",
+        out += fmt::format("\nPairs by the distance of their centres at rest{}; of the first and of the second disc:\n\n| pair | apart mm | depth mm | FE force N |",
                            nearest.size() > most ? fmt::format(", the nearest {}", most) : "");
         for (const std::string& model : two.models) out += fmt::format(" {} |", model);
         out += "\n|---|---|---|---|";
@@ -229,21 +230,21 @@ std::string two_tools_markdown(const TwoTools& two) {
     return out;
 }
 
-std::string truth_markdown(const TruthCheck& truth) {
+std::string truth_markdown(const DiscretisationCheck& truth) {
     if (truth.empty()) return "";
     std::string out = fmt::format(
         "## Discretisation error of the FE reference\n\nForces of the finite elements differ from those on the study's finer mesh by {} "
-        "(median / p95 / max, {}).", summary(truth.difference), n_of_N(truth.difference, "pushes"));
-    if (!truth.lost.empty()) out += " On the finer mesh these pushes end early:\n";
+        "(median / p95 / max, {}).", summary(truth.difference), n_of_N(truth.difference, "indentations"));
+    if (!truth.lost.empty()) out += " On the finer mesh these load paths end early:\n";
     for (const std::string& lost : truth.lost) out += "\n- " + lost;
-    if (!truth.unmatched.empty()) out += "\n\nThese have nothing on the study's mesh to be compared with:\n";
+    if (!truth.unmatched.empty()) out += "\n\nThese have no load path on the study's mesh for comparison:\n";
     for (const std::string& unmatched : truth.unmatched) out += "\n- " + unmatched;
     return out + "\n\n";
 }
 
 std::string map_markdown(const ForceMap& map) {
     if (map.empty()) return "";
-    std::string out = fmt::format("## Force map\n\n{} straight pushes of {:g} mm over the top, none of them a load case of the training.",
+    std::string out = fmt::format("## Force map\n\n{} straight indentations of {:g} mm over the top, none of them a load case of the training.",
                                   map.places.size() + map.lost.size(), 1e3 * map.depth_m);
     out += fmt::format(" Force error of the model: {} (median / p95 / max, {}).", summary(map.error()), n_of_N(map.error(), "places"));
     if (const auto& c = map.contrast)
@@ -258,7 +259,7 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
     if (h.empty()) return "";
     const bool has_elastic = h.elastic_rms("").n + h.elastic_rms("").missing > 0;
     const std::string where =
-        measured ? fmt::format("Displacement histories at contacts where no history was fitted; {} of {} are within 2 mm of a training push", h.near_training, h.answers.size())
+        measured ? fmt::format("Displacement histories at contacts where no history was fitted; {} of {} are within 2 mm of a training contact", h.near_training, h.answers.size())
                  : "Displacement histories at contacts of no training path";
     std::string out = fmt::format(
         "## Force over time\n\n{}: the tool follows the history, the model advances tick by "
@@ -269,7 +270,7 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
         has_elastic ? " without relaxation, in model and FE: rms | n of N |" : "", has_elastic ? "---|---|" : "");
     std::vector<std::string> groups = h.groups();
     if (groups.size() > 1) groups.emplace_back();
-    if (h.models.empty()) {  // FE lost all of them
+    if (h.models.empty()) {  // no history has an FE reference
         out = fmt::format("## Force over time\n\nNone of the {} histories has an FE reference:\n", h.lost.size());
         for (const std::string& lost : h.lost) out += "\n- " + lost;
         return out + "\n\n";
@@ -283,7 +284,7 @@ std::string histories_markdown(const HistoryTable& h, bool measured) {
         "relative modulus {:.3g}, relaxation time {:.3g} s. These three are fitted to {}, so their errors are too low.{}\n\n| histories |",
         rule, h.factor, h.kelvin_voigt[0], h.kelvin_voigt[1], h.branch[0], h.branch[1], h.fitted_to_all ? "these histories, all that have an answer" : "those of these histories in which mass does not matter",
         has_elastic ? " `prony`: the FE force without relaxation, through the Prony series of the material; no springs." : "");
-    const std::size_t models = h.models.size() - (has_elastic ? 0 : 1);  // prony, the last, has nothing to go by
+    const std::size_t models = h.models.size() - (has_elastic ? 0 : 1);  // prony, the last one, needs an elastic FE run
     for (std::size_t m = 0; m < models; ++m) out += fmt::format(" {} |", h.models[m]);
     out += "\n|---|";
     for (std::size_t m = 0; m < models; ++m) out += "---|";
@@ -302,20 +303,20 @@ std::string figures_markdown(const std::vector<const char*>& figures) {
     return out;
 }
 
-/// What constants are over the heuristic where a term is 1, and others 0. Of cells with a heuristic far below the cap, as in plane
-/// stress, that depends on the cap, which a model does not hold.
+/// Ratio of a constant to its heuristic where this term is 1 and all others are 0. For cells whose heuristic is far
+/// below the cap, as in plane stress, it depends on the cap, which is not in the model: "none".
 std::string factor_of(const std::string& term, double p, bool starts_below_cap) {
     if (term.rfind("skin.", 0) == 0) return "none";
     if (term.rfind("cell.", 0) != 0) return fmt::format("{:.3g}", std::exp(p));
     return starts_below_cap ? fmt::format("{:.3g}", bent_factor(p)) : "none";
 }
 
-std::string law_markdown(const LawModel& law, const LawBook& book, bool measured) {
+std::string law_markdown(const EnergyModel& law, const EnergyModelDiagnostics& book, bool measured) {
     const std::string errors = measured ? "force errors, in their scale" : "force and displacement errors, each in its scale";
     std::string over;
     if (measured) over = fmt::format(", with {:.3g} times the study's E2, fitted to the forces,", book.factor);
     std::string out = fmt::format(
-        "\n## The energy model\n\n{} parameters from {} {} paths, {} pushes, in {:.1f} s. Objective {:.4g}: the mean square of {}, plus "
+        "\n## The energy model\n\n{} parameters from {} {} paths, {} load cases, in {:.1f} s. Objective {:.4g}: the mean square of {}, plus "
         "the ridge. Every constant is its heuristic{} times exp(sum of coefficient x term); constants of cells stay below their "
         "cap; the {} constants are in model.h5. Terms of the skin, where there are any, change no constant (lib/springs/skin.h).\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
         law.terms.size(), book.paths, measured ? "measured" : "FE", book.records, book.seconds, book.objective, errors,
@@ -333,18 +334,18 @@ std::string law_markdown(const LawModel& law, const LawBook& book, bool measured
                            book.gradient[i], book.iterations[s], book.evaluations[s]);
     }
     if (book.shares) {
-        const LawBook::Shares& s = *book.shares;
+        const EnergyModelDiagnostics::Shares& s = *book.shares;
         out += fmt::format("\nMaxwell branches fitted to {} measured histories, {}: force residual {} rms, noise included; KKT residual {:.1e}.{}\n", s.histories, s.status,
-                           percent(s.misfit), s.kkt_residual, s.grown > 1 ? fmt::format(" The pushes are of tissue at rest, so the instantaneous force is {:.3g} times theirs.", s.grown) : "");
+                           percent(s.misfit), s.kkt_residual, s.grown > 1 ? fmt::format(" The training forces are of tissue at rest; the instantaneous force is {:.3g} times the force at rest.", s.grown) : "");
         out += "\n| relative modulus g | relaxation time |\n|---|---|\n";
         for (int k = 0; k < law.relaxation.branches(); ++k) out += fmt::format("| {:.3f} | {:.3g} s |\n", law.relaxation.contact_share[k], law.relaxation.tau_s[k]);
     }
-    if (!book.lost.empty()) out += "\nTraining pushes without an equilibrium:\n\n";
+    if (!book.lost.empty()) out += "\nTraining load cases without an equilibrium:\n\n";
     for (const std::string& lost : book.lost) out += "- " + lost + "\n";
     return out;
 }
 
-/// Of a law, as the plan asks for them (cases/plan.cpp).
+/// Figures of a study with an energy model, as planned in cases/plan.cpp.
 std::string law_figures(const Evaluation& e, bool solid) {
     std::vector<const char*> figures;
     if (e.measurement) figures = {"held_out"};
@@ -359,7 +360,7 @@ std::string law_figures(const Evaluation& e, bool solid) {
 
 std::string to_markdown(const Evaluation& e) {
     const ModelErrors& learned = e.models.front();
-    const bool solid = e.energy_law && e.energy_law->disc_radius_m > 0;
+    const bool solid = e.energy_model && e.energy_model->disc_radius_m > 0;
     std::string out = fmt::format("# Study `{}`\n\n", e.study);
     if (const DrawnContacts* held_out = e.held_out.role("held_out")) {
         const ContactStatistics s = held_out->statistics(0);
@@ -399,7 +400,7 @@ std::string to_markdown(const Evaluation& e) {
     out += fmt::format("\n{} N is the number of load cases. ", rule);
     if (e.open_loop())
         out += "*rel_loss*: L(theta) over the weighted FE force, with every node at its FE position. *Resolved force*: along "
-               "the push, at the loaded node. ";
+               "the tool displacement, at the loaded node. ";
     out += "*Indentation error*: the contact is displaced as in FE, the rest of the mesh is in equilibrium.";
     if (!e.lost.empty()) {
         out += fmt::format(" {} of the training paths end early in FE; the training uses the part before:\n\n", e.lost.size());
@@ -420,18 +421,18 @@ std::string to_markdown(const Evaluation& e) {
     }
 
     if (e.law_book)
-        return out + law_markdown(*e.energy_law, *e.law_book, e.measurement.has_value()) + law_figures(e, solid);
+        return out + law_markdown(*e.energy_model, *e.law_book, e.measurement.has_value()) + law_figures(e, solid);
     out +=
         "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | ended | median loss over start at "
         "1,000 | at 5,000 | at the end | gap median / max | seconds |\n|---|---|---|---|---|---|---|---|---|---|\n";
-    for (const TrainingBook& t : e.trained) {
+    for (const SetDiagnostics& t : e.trained) {
         int iterations = 0, restarts = 0, restarted = 0;
         for (int i : t.iterations) iterations += i;
         for (int r : t.restarts) {
             restarts += r;
             restarted += r > 0 ? 1 : 0;
         }
-        const auto progress = [&t](int at) {  // an optimiser without a learning curve has none
+        const auto progress = [&t](int at) {  // "" for an optimiser without a learning curve
             const double part = median_progress(t, at);
             return std::isnan(part) ? std::string() : fmt::format("{:.3f}", part);
         };
@@ -452,14 +453,14 @@ std::string to_markdown(const Evaluation& e) {
         out += "\n*L_lb* is a bound on the minimised function, which includes a ridge or the reaction of the contact; *L relative* is of (9) alone. The bound is given "
                "relative to the FE force only where both are the same.\n";
     out += "\n| set | L_lb N | L_lb relative |";
-    for (const TrainingBook& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
+    for (const SetDiagnostics& t : e.trained) out += fmt::format(" {}: L relative / gap / restarts / status |", t.optimizer);
     out += "\n|---|---|---|";
     for (std::size_t t = 0; t < e.trained.size(); ++t) out += "---|";
     out += "\n";
     for (std::size_t c = 0; c < e.case_names.size(); ++c) {
         const auto i = static_cast<Eigen::Index>(c);
         out += fmt::format("| {} | {:.4g} | {} |", e.case_names[c], e.optimum.lower_bound_N[i], percent(e.lower_bound_rel[c]));
-        for (const TrainingBook& t : e.trained)
+        for (const SetDiagnostics& t : e.trained)
             out += fmt::format(" {} / {} / {} / {} |", percent(t.rel_loss[i]), percent(t.gap[i]), t.restarts[c],
                                t.status[c]);
         out += "\n";
@@ -467,7 +468,7 @@ std::string to_markdown(const Evaluation& e) {
 
     out +=
         "\n## Spring stiffnesses\n\nSec. 3 of the paper expects springs that differ little from the heuristic near the contact, "
-        "change little between neighbouring sets, and a force that grows with the push.\n\n"
+        "change little between neighbouring sets, and a force that grows with the displacement.\n\n"
         "| model | distance from heuristic, near / far | step between magnitudes | step between angles | force falls "
         "where FE rises | smallest eigenvalue | sets with zero-energy modes |\n|---|---|---|---|---|---|---|\n";
     for (const ModelErrors& m : e.models) {

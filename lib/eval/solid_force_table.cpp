@@ -12,7 +12,7 @@ constexpr double unit_m = 0.020, unit_angle = 30 * 3.14159265358979323846 / 180,
 }  // namespace
 
 ForceTable::Entry SolidForceTable::at(const Point& contact_m, const Point& direction, double depth_m) const {
-    // S' solves (sum w d d' + small) S' = sum w d F'
+    // normal equations (sum w d d' + small) S' = sum w d F', with 1 / |d|^2 in w
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero(), products = squares;
     double nearest = std::numeric_limits<double>::infinity();
     for (const Push& p : pushes_) {
@@ -25,7 +25,8 @@ ForceTable::Entry SolidForceTable::at(const Point& contact_m, const Point& direc
         squares += weight * d * d.transpose();
         products += weight * d * p.force_N.transpose();
     }
-    squares += 1e-6 * squares.trace() * Eigen::Matrix3d::Identity();  // pushes that all go one way leave the others open
+    // regularises directions that no training indentation has
+    squares += 1e-6 * squares.trace() * Eigen::Matrix3d::Identity();
     const Eigen::Vector3d force = squares.ldlt().solve(products).transpose() * (depth_m * Eigen::Vector3d(direction));
     return {force, nearest > 1};
 }

@@ -6,15 +6,17 @@
 
 namespace tissue {
 
-/// No springs at all, in space: FE's own training forces near a push say what stiffness S there is, F = S d, by least squares
-/// of F / |d| over all of them and their mirror images, each square weighted with 1 / (0.05 + s^2)^2, where s counts its distance in units of
-/// 20 mm, 30 degrees of direction and 6 mm of depth. The baseline at equal FE cost; it has no shape and no motion.
+/// Baseline without springs in space, at equal FE cost: a local stiffness matrix S with F = S d, fitted to all FE
+/// training forces by weighted least squares: minimise the sum of w |F - S d|^2 / |d|^2, w = 1 / (0.05 + s^2)^2. s is
+/// the distance of a training indentation, in units of 20 mm of place, 30 degrees of direction and 6 mm of depth. It
+/// predicts no displacement field and no dynamics.
 class SolidForceTable {
    public:
-    /// At least one.
+    /// pushes: FE training forces and their mirror images (table_pushes), at least one.
     explicit SolidForceTable(const std::vector<TablePush>& pushes) : pushes_(pushes.begin(), pushes.end()) {}
 
-    /// extrapolated: no training push is nearer than s = 1.
+    /// Force at a contact [m] (3), along a unit direction (3), at a depth [m]. extrapolated: every training indentation
+    /// is farther than s = 1.
     ForceTable::Entry at(const Point& contact_m, const Point& direction, double depth_m) const;
 
    private:

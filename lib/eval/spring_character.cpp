@@ -14,7 +14,7 @@ double rms(const Eigen::VectorXd& v) {
     return v.size() == 0 ? std::nan("") : v.norm() / std::sqrt(static_cast<double>(v.size()));
 }
 
-/// Eigenvalues of K with the fixed nodes taken out, ascending.
+/// Eigenvalues of K at rest without the rows and columns of fixed nodes, ascending.
 Eigen::VectorXd supported_eigenvalues(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta) {
     const int D = mesh.dimension();
     const Eigen::MatrixXd K(law.stiffness(mesh, theta, NodeField::Zero(mesh.node_count(), D)));
@@ -26,9 +26,9 @@ Eigen::VectorXd supported_eigenvalues(const SpringMesh& mesh, const SpringLaw& l
     return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K(free, free), Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-/// Which springs have an end among the 3 x 3 nodes about a contact.
+/// For each spring, whether it has an end among the 3 x 3 nodes about a contact.
 std::vector<bool> near_springs(const SpringMesh& mesh, const Eigen::Vector2d& contact) {
-    // the lattice's spacing along each axis: the shortest step there is
+    // spacing of the lattice along each axis: the shortest span of a spring
     Eigen::Vector2d reach = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
     for (int s = 0; s < mesh.spring_count(); ++s)
         for (int d : {0, 1}) {
@@ -43,7 +43,7 @@ std::vector<bool> near_springs(const SpringMesh& mesh, const Eigen::Vector2d& co
     return near;
 }
 
-/// L^2 + ridge |theta - theta0|^2 as a force loss: one more row a spring.
+/// L^2 + ridge |theta - theta0|^2 as a force loss, with one more row for each spring.
 ForceLoss with_ridge(const SparseMatrix& A, const Eigen::VectorXd& force, const Eigen::VectorXd& weight, double ridge,
                      const Eigen::VectorXd& theta0) {
     const Eigen::Index rows = A.rows(), S = A.cols();

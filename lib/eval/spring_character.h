@@ -3,37 +3,38 @@
 #include <vector>
 
 #include "cases/load_path.h"
-#include "train/training_books.h"
+#include "train/training_diagnostics.h"
 
 namespace tissue {
 
-/// What Sec. 3 promises of its springs, measured on one model's sets. Distances are root mean squares over springs in
-/// units of E2.
+/// Properties of spring sets that Sec. 3 of the paper expects, evaluated for one model. Distances are root mean squares
+/// over springs in units of E2.
 struct SpringCharacter {
     std::vector<double> near, far;        ///< |theta - theta0| of springs with an end in the 3 x 3 nodes about the
-                                          ///< contact, and of the others; one entry a case
+                                          ///< contact, and of the other springs; of each case (C)
     std::vector<double> magnitude_step;   ///< between the sets of neighbouring magnitudes of a path
-    std::vector<double> angle_step;       ///< between the sets of neighbouring pushes (<= 46 degrees) of a contact
-    int force_steps = 0;                  ///< neighbouring magnitudes with a model force at both
-    int force_falls = 0;                  ///< of these, those where the model's force falls while FE's rises
-    double smallest_eigenvalue = 0;       ///< of K under its supports, over the sets; in units of E2
-    int floppy_sets = 0;                  ///< sets with an eigenvalue below 1e-9 of the largest: zero-energy modes
+    std::vector<double> angle_step;       ///< between the sets of directions <= 46 degrees apart at a contact
+    int force_steps = 0;                  ///< pairs of neighbouring magnitudes
+    int force_falls = 0;                  ///< pairs where the model's force falls while the FE force rises
+    double smallest_eigenvalue = 0;       ///< of K with fixed nodes, smallest over the sets; in units of E2
+    int floppy_sets = 0;                  ///< sets with zero-energy modes: an eigenvalue below 1e-9 of the largest
 };
 
-/// theta: one row a case (C x S) or a single row for all. Laws that are not linear are taken at rest for eigenvalues.
+/// theta [N/m]: one row for each case (C x S), or a single row for all. Eigenvalues are those of K at rest.
 SpringCharacter spring_character(const TissueModel& model, const Cases& cases, const NodeField& theta);
 
-/// One point of the front between fitting FE and staying near the heuristic.
+/// One point of the Pareto front between a small nodal-force error and a small distance from the heuristic.
 struct FrontPoint {
     double ridge;      ///< weight of |theta - theta0|^2, over the mean squared column of Q^(1/2) A
     double rel_loss;   ///< median over the cases
     double distance;   ///< median over the cases of the root mean square of theta - theta0, in units of E2
-    int force_falls;   ///< as in SpringCharacter
+    int force_falls;   ///< SpringCharacter::force_falls
     double smallest_eigenvalue;
-    int not_converged; ///< of its exact solutions, those whose LsqStatus is not `converged`
+    int not_converged; ///< exact solutions whose LsqStatus is not `converged`
 };
 
-/// The exact solutions of L^2 + ridge |theta - theta0|^2 inside the box, from no ridge to one that holds the heuristic.
+/// Exact minima of L^2 + ridge |theta - theta0|^2 inside the box [k_min_N_m, k_max_N_m], theta0 the heuristic, for
+/// twelve values of ridge from 0 to 10. With the largest one theta stays close to the heuristic.
 std::vector<FrontPoint> ridge_front(const TrainedModel& model, const Cases& cases, double k_min_N_m, double k_max_N_m);
 
 }  // namespace tissue

@@ -22,7 +22,8 @@ Statistics statistics_of(std::vector<double> sample, int no_reference) {
     const auto quantile = [&](double p) {
         const double value = gsl_stats_quantile_from_sorted_data(sample.data(), 1, sample.size(), p);
         if (!std::isnan(value)) return value;
-        return sample[static_cast<std::size_t>(p * static_cast<double>(sample.size() - 1))];  // 0 times infinity: the quantile is this value itself
+        // the interpolation made 0 * infinity: the quantile is exactly this value
+        return sample[static_cast<std::size_t>(p * static_cast<double>(sample.size() - 1))];
     };
     return {quantile(0.5), quantile(0.95), sample.back(), static_cast<int>(sample.size()) - missing, missing, no_reference};
 }

@@ -16,7 +16,7 @@ bool same_push(const TablePush& a, const TablePush& b) {
     return std::abs(a.depth_m - b.depth_m) < same_m && (a.contact_m - b.contact_m).norm() < same_m && (a.direction - b.direction).norm() < same_direction;
 }
 
-/// Whether the tissue is a block whose bottom, and nothing else, is held alike everywhere.
+/// Whether the tissue is a block with fixed nodes at its whole bottom and nowhere else, and with uniform supports.
 bool is_block(const TissueModel& model) {
     const SpringMesh& mesh = model.mesh;
     if (!mesh.is_solid()) return on_lattice(mesh);
@@ -25,12 +25,12 @@ bool is_block(const TissueModel& model) {
     const double low_m = up.minCoeff();
     for (int node = 0; node < up.size(); ++node)
         if ((up[node] - low_m < same_m) != std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node)) return false;
-    if (!model.energy_law) return true;
-    const Eigen::VectorXd pressure = model.energy_law->constants.tail(mesh.support_count()).cwiseQuotient(held_areas(mesh));
+    if (!model.energy_model) return true;
+    const Eigen::VectorXd pressure = model.energy_model->constants.tail(mesh.support_count()).cwiseQuotient(held_areas(mesh));
     return pressure.maxCoeff() - pressure.minCoeff() < 1e-6 * pressure.maxCoeff();
 }
 
-/// Whether each point of other material (G x 4: place, weight) has one of the same weight at its image.
+/// Whether each point of an inclusion (G x 4: place, weight) has a point of the same weight at its image.
 bool maps_onto_itself(const NodeField& ground, const Symmetry& s) {
     for (Eigen::Index i = 0; i < ground.rows(); ++i) {
         const Point at = ground.row(i).head<3>().transpose(), image = s.centre_m + s.turn * (at - s.centre_m);
@@ -48,7 +48,7 @@ bool maps_onto_itself(const NodeField& ground, const Symmetry& s) {
 
 std::vector<Symmetry> symmetries_of(const TissueModel& model) {
     if (!is_block(model)) return {};
-    const NodeField ground = model.energy_law ? model.energy_law->disc.ground : NodeField();
+    const NodeField ground = model.energy_model ? model.energy_model->disc.ground : NodeField();
     const Point low = model.mesh.own_nodes().colwise().minCoeff().transpose(), high = model.mesh.own_nodes().colwise().maxCoeff().transpose();
     const Point centre_m = (low + high) / 2, size_m = high - low;
     const Eigen::Index D = size_m.size();
@@ -57,7 +57,7 @@ std::vector<Symmetry> symmetries_of(const TissueModel& model) {
         for (double y : {1.0, -1.0})
             for (double x : {1.0, -1.0}) {
                 const bool identity = !exchanged && x > 0 && y > 0;
-                if (identity || (D == 2 && (exchanged || y < 0))) continue;  // in the plane y is height
+                if (identity || (D == 2 && (exchanged || y < 0))) continue;  // in two dimensions y is the height
                 if (exchanged && std::abs(size_m[0] - size_m[1]) > same_m) continue;
                 Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(D, D);
                 turn(0, 0) = x;
@@ -76,7 +76,7 @@ std::vector<TablePush> table_pushes(const std::vector<LoadCase>& loads, const st
         pushes.push_back({load.path->contact_m, load.path->direction, load.record->contact_force_N / (times * times), load.record->magnitude_m / times});
     }
     const std::size_t own = pushes.size();
-    std::vector<std::size_t> source(own);  // of each push the load case that it is, or is an image of
+    std::vector<std::size_t> source(own);  // for each entry the load case that it is, or that it is an image of
     std::iota(source.begin(), source.end(), std::size_t{0});
     for (std::size_t i = 0; i < own; ++i)
         for (const Symmetry& s : symmetries) {

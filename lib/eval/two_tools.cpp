@@ -5,13 +5,14 @@
 #include "error.h"
 #include "mesh/free_surface.h"
 #include "parallel.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 namespace tissue {
 namespace {
 
-/// The law under both tools: an answer for each. Discs that overlap, or that the law does not know, have none.
-std::array<ContactAnswer, 2> together(const LawPress& law, const PressedPair& pair) {
+/// Equilibrium with both tools at once: an answer for each. There is no answer for discs that overlap, or whose radius
+/// is outside the range of the training.
+std::array<ContactAnswer, 2> together(const IndentationSolver& law, const PressedPair& pair) {
     const auto none = [](const std::string& reason) { return std::array<ContactAnswer, 2>{ContactAnswer{{}, {}, reason}, ContactAnswer{{}, {}, reason}}; };
     try {
         const ToolsEquilibrium rest = law.of(pair.radius_m).at({{pair.contact_m[0], pair.push_m[0]}, {pair.contact_m[1], pair.push_m[1]}});
@@ -22,10 +23,10 @@ std::array<ContactAnswer, 2> together(const LawPress& law, const PressedPair& pa
     }
 }
 
-std::array<ContactAnswer, 2> one_by_one(const LawPress& law, const PressedPair& pair) {
+std::array<ContactAnswer, 2> one_by_one(const IndentationSolver& law, const PressedPair& pair) {
     std::array<ContactAnswer, 2> answers;
     for (std::size_t t = 0; t < 2; ++t) answers[t] = answer_of(law, pair.contact_m[t], pair.push_m[t], pair.radius_m);
-    for (ContactAnswer& answer : answers) answer.displacement_m.resize(0, 0);  // force alone is compared
+    for (ContactAnswer& answer : answers) answer.displacement_m.resize(0, 0);  // only forces are compared
     return answers;
 }
 
@@ -39,7 +40,7 @@ ContactStatistics PressedPairs::statistics(std::size_t model) const {
 
 TwoTools evaluate_two_tools(const TrainedModel& model, const Cases& cases, int threads) {
     TwoTools result;
-    if (!model.energy_law) return result;
+    if (!model.energy_model) return result;
     for (const LoadPath& path : cases.paths) {
         if (!path.second) continue;
         auto role = std::find_if(result.roles.begin(), result.roles.end(), [&](const PressedPairs& r) { return r.role == path.role; });
@@ -50,18 +51,18 @@ TwoTools evaluate_two_tools(const TrainedModel& model, const Cases& cases, int t
         }
         const PathRecord& record = path.records.back();
         role->pairs.push_back({path.name, {path.contact_m, path.second->contact_m}, {path.push_m(record), path.second_push_m(record)},
-                               {record.contact_force_N, record.second_force_N}, path.radius_m > 0 ? path.radius_m : model.energy_law->disc_radius_m});
+                               {record.contact_force_N, record.second_force_N}, path.radius_m > 0 ? path.radius_m : model.energy_model->disc_radius_m});
     }
     if (result.empty()) return result;
     result.models = {"learned", "alone"};
-    const LawPress law(model.mesh, law_of_cases(model));
+    const IndentationSolver law(model.mesh, energy_model_of_cases(model));
     const std::vector<int> seen = seen_nodes(model.mesh);
     for (PressedPairs& role : result.roles)
         parallel_for(static_cast<int>(role.pairs.size()), threads, [&](int i) {
             PressedPair& pair = role.pairs[static_cast<std::size_t>(i)];
             for (const auto& answers : {together(law, pair), one_by_one(law, pair)}) {
                 std::array<ContactError, 2>& error = pair.error.emplace_back();
-                for (std::size_t t = 0; t < 2; ++t) error[t] = error_of(answers[t], ContactTruth{{}, pair.push_m[t], pair.fe_force_N[t]}, model.mesh, seen);
+                for (std::size_t t = 0; t < 2; ++t) error[t] = error_of(answers[t], ContactReference{{}, pair.push_m[t], pair.fe_force_N[t]}, model.mesh, seen);
             }
         });
     return result;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "export/solid_law_tables.h"
+#include "export/solid_model_tables.h"
 
 namespace tissue {
 namespace {
@@ -26,7 +26,7 @@ std::string values(const Row& row) {
     return text;
 }
 
-/// Quoted where a comma or quote stands in it.
+/// Quoted where it contains a comma, a quote or a line feed.
 std::string field(const std::string& text) {
     if (text.find_first_of(",\"\n") == std::string::npos) return text;
     std::string quoted = "\"";
@@ -43,7 +43,7 @@ std::string nodes_csv(const TissueModel& model) {
     return nodes;
 }
 
-/// With a column of one stiffness that serves all cases.
+/// springs.csv, with a last column of one stiffness that serves all cases.
 std::string springs_csv(const TissueModel& model, const std::string& name, const Eigen::VectorXd& theta) {
     const SpringMesh& mesh = model.mesh;
     std::string springs = "spring,node_i,node_j,rest_length_m,heuristic_a_N_m,heuristic_b_N_m," + name + "\n";
@@ -53,7 +53,7 @@ std::string springs_csv(const TissueModel& model, const std::string& name, const
     return springs;
 }
 
-/// Node numbers, a row each.
+/// Node numbers, one row per element.
 std::string nodes_of_csv(const Cells& cells) {
     constexpr const char* letters = "ijkl";
     std::string text;
@@ -63,21 +63,21 @@ std::string nodes_of_csv(const Cells& cells) {
     return text;
 }
 
-/// Of which the tissue and its surface are made: triangles, in space tetrahedra and the triangles around them.
+/// The simplices of the tissue: triangles; in space tetrahedra, and the facets of the surface.
 Files simplices_csv(const SpringMesh& mesh) {
     if (!mesh.is_solid()) return {{"triangles.csv", nodes_of_csv(mesh.simplices)}};
     return {{"tetrahedra.csv", nodes_of_csv(mesh.simplices)}, {"facets.csv", nodes_of_csv(mesh.facets)}};
 }
 
-std::string terms_csv(const LawModel& law) {
+std::string terms_csv(const EnergyModel& law) {
     std::string terms = "term,coefficient\n";
     for (std::size_t t = 0; t < law.terms.size(); ++t)
         terms += fmt::format("{},{}\n", field(law.terms[t]), law.coefficients[static_cast<Eigen::Index>(t)]);
     return terms;
 }
 
-std::string contact_csv(const SpringMesh& mesh, const LawModel& law, const std::vector<std::string>& rows) {
-    const PatchLaw& patch = law.patch;
+std::string contact_csv(const SpringMesh& mesh, const EnergyModel& law, const std::vector<std::string>& rows) {
+    const ContactParameters& patch = law.patch;
     std::string contact = fmt::format("row,log_k_N_m,{},{},edge\n", mesh.is_solid() ? "curved" : "phase", patch.hardens() ? "ground" : "corner");
     for (std::size_t m = 0; m < rows.size(); ++m)
         contact += fmt::format("{},{}\n", rows[m], values(patch.log_N_m.row(static_cast<Eigen::Index>(m))));
@@ -85,7 +85,6 @@ std::string contact_csv(const SpringMesh& mesh, const LawModel& law, const std::
     return contact;
 }
 
-/// presses.csv and pressed.csv.
 Files pressed_csv(const TissueModel& model, const std::vector<PressedCase>& cases) {
     const int D = model.mesh.dimension();
     const bool solid = model.mesh.is_solid();
@@ -97,7 +96,7 @@ Files pressed_csv(const TissueModel& model, const std::vector<PressedCase>& case
         const std::string name = field(model.case_names[static_cast<std::size_t>(c.load_case)]);
         const double disc_m = model.radius_of(c.load_case);
         presses += fmt::format("{},{},{}{},{},{}\n", name, values(model.contact_m.row(c.load_case)),
-                               fmt::format("{},", c.arc_m ? *c.arc_m : disc_m > 0 ? disc_m : model.energy_law->disc_radius_m), values(c.push_m),
+                               fmt::format("{},", c.arc_m ? *c.arc_m : disc_m > 0 ? disc_m : model.energy_model->disc_radius_m), values(c.push_m),
                                c.state ? values(c.state.contact_force) : no_force, field(reason_of(c.state.status)));
         for (int i = 0; c.state && i < model.mesh.node_count(); ++i)
             pressed += fmt::format("{},{},{},{}\n", name, i, values(c.state.displacement.row(i)), values(c.force_N.row(i)));
@@ -105,7 +104,7 @@ Files pressed_csv(const TissueModel& model, const std::vector<PressedCase>& case
     return {{"presses.csv", presses}, {"pressed.csv", pressed}};
 }
 
-/// Of a disc, at the points of each facet where it is kept.
+/// Rows of correction.csv for one disc, at the points of each facet where the correction is stored.
 std::string correction_rows(double radius_m, const FacetTable& correction) {
     std::string rows;
     if (correction.value.rows() == 0) return rows;
@@ -115,7 +114,7 @@ std::string correction_rows(double radius_m, const FacetTable& correction) {
     return rows;
 }
 
-/// Of a law in space, what stands in place of areas and surface.
+/// Tables of an energy model in space only.
 Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases) {
     const SolidLawTables tables = solid_law_tables(model);
     std::vector<int> load_cases;
@@ -127,7 +126,7 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
         cells += fmt::format("{},{},{},{},{}\n", c, values(tables.cells.row(c)), values(tables.at.row(c)), tables.volume_m3[c], tables.cell_Pa[c]);
     const auto name = [&](int load_case) { return field(model.case_names[static_cast<std::size_t>(load_case)]); };
     std::string rows = "row,case,kind,k_N_m,push_x,push_y,push_z\n", pull = "row,node,pull_x,pull_y,pull_z\n",
-                hardening = "case,hardening_1_J,saturation_1_J,coupling_N_m2\n";
+                hardening = "case,hardening_1_J,saturation_1_J,coupling_N_m2,in_compression\n";
     for (std::size_t r = 0; r < contact.k_N_m.size(); ++r)
         rows += fmt::format("{},{},{},{},{}\n", r, name(contact.load_case[r]), contact.kind[r], contact.k_N_m[r],
                             values(contact.push.row(static_cast<Eigen::Index>(r))));
@@ -137,14 +136,14 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
         hardening += fmt::format("{},{}\n", name(load_cases[c]), values(contact.hardening.row(static_cast<Eigen::Index>(c))));
     Files files = {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
             {"cells.csv", cells},
-            {"contact.csv", contact_csv(model.mesh, *model.energy_law, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"})},
+            {"contact.csv", contact_csv(model.mesh, *model.energy_model, {"normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"})},
             {"contact_rows.csv", rows},
             {"contact_pull.csv", pull},
             {"contact_hardening.csv", hardening}};
     const Embedding& embedding = model.mesh.embedding;
     std::string& inside = files["embedding.csv"] = "node," + corners + ",weight_000,weight_100,weight_010,weight_110,weight_001,weight_101,weight_011,weight_111\n";
     for (int node = 0; node < embedding.node_count(); ++node) inside += fmt::format("{},{},{}\n", node, values(embedding.corner.row(node)), values(embedding.weight.row(node)));
-    const LawModel& law = *model.energy_law;
+    const EnergyModel& law = *model.energy_model;
     files["correction.csv"] = "radius_m,facet,weight_i,weight_j,weight_k,log_scale\n" + correction_rows(law.disc_radius_m, law.disc.correction);
     for (std::size_t k = 0; k < law.sizes.correction.size(); ++k)
         if (const double radius_m = law.sizes.radii_m[static_cast<Eigen::Index>(k)]; radius_m != law.disc_radius_m) files["correction.csv"] += correction_rows(radius_m, law.sizes.correction[k]);
@@ -157,7 +156,7 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
     return files;
 }
 
-/// Of a law in the plane.
+/// Tables of an energy model in the plane only.
 Files plane_csv(const TissueModel& model) {
     const LawTables tables = law_tables(model);
     std::string areas = "area,kind,rest_area_m2,stiffness_N_m\n", edges = "area,node_i,node_j\n", surface = "node,arc_m,contact_log_scale\n";
@@ -172,17 +171,17 @@ Files plane_csv(const TissueModel& model) {
     return {{"springs.csv", springs_csv(model, "stiffness_N_m", tables.spring_N_m)},
             {"areas.csv", areas},
             {"area_edges.csv", edges},
-            {"contact.csv", contact_csv(model.mesh, *model.energy_law, {"normal", "tangent", "rotation", "stretch"})},
+            {"contact.csv", contact_csv(model.mesh, *model.energy_model, {"normal", "tangent", "rotation", "stretch"})},
             {"surface.csv", surface}};
 }
 
-/// Of a law whose springs are not Hooke's.
+/// For springs that are not Hooke's.
 Files curve_csv(const SpringCurve& curve) {
     if (curve.hookean()) return {};
     return {{"spring_curve.csv", fmt::format("c2_share,straight_below,straight_above\n{},{},{}\n", curve.q(), curve.shorter().stretch, curve.longer().stretch)}};
 }
 
-/// Of a law that relaxes.
+/// For an energy model that relaxes.
 Files relaxation_csv(const Relaxation& relaxation) {
     if (relaxation.empty()) return {};
     std::string branches = "branch,relaxation_time_s,contact_share\n", shares = "constant";
@@ -222,11 +221,11 @@ Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets) {
 }
 
 Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases) {
-    Files files = {{"nodes.csv", nodes_csv(model)}, {"terms.csv", terms_csv(*model.energy_law)}};
+    Files files = {{"nodes.csv", nodes_csv(model)}, {"terms.csv", terms_csv(*model.energy_model)}};
     files.merge(simplices_csv(model.mesh));
     files.merge(pressed_csv(model, cases));
-    files.merge(relaxation_csv(model.energy_law->relaxation));
-    files.merge(curve_csv(model.energy_law->curve));
+    files.merge(relaxation_csv(model.energy_model->relaxation));
+    files.merge(curve_csv(model.energy_model->curve));
     files.merge(model.mesh.is_solid() ? solid_csv(model, cases) : plane_csv(model));
     return files;
 }
@@ -244,7 +243,7 @@ Files csv_files(const Cases& cases, const std::vector<const LoadPath*>& paths) {
         for (std::size_t k = 0; k < path->records.size(); ++k) {
             const PathRecord& r = path->records[k];
             const std::string which = fmt::format("{},{}", field(path->name), k);
-            const bool measured = r.displacement.size() == 0;  // then nobody knows energy, supports and strain
+            const bool measured = r.displacement.size() == 0;  // then energy, support force and strain are not known
             const std::string unknown(static_cast<std::size_t>(D - 1), ',');
             records += fmt::format("{},{},{},{},{},{}", which, r.magnitude_m, measured ? "" : fmt::format("{}", r.energy_J), values(r.contact_force_N),
                                    measured ? unknown : values(r.support_force_N), measured ? "" : fmt::format("{}", r.smallest_J));

@@ -2,38 +2,51 @@
 
 #include "cases/load_path.h"
 #include "export/files.h"
-#include "export/law_tables.h"
+#include "export/energy_model_tables.h"
 #include "springs/spring_sets.h"
 
 namespace tissue {
 
-/// Tables with one header line, separated by commas, units in the columns' names.
-///   nodes.csv      node, position, mass, fixed             springs.csv  spring, its nodes, rest length, baselines
-///   triangles.csv  node numbers                            sets.csv     set, contact, push, magnitude
-///   stiffness.csv  spring, then one column a set [N/m]
+/// CSV tables of spring sets: one header line, commas, units in the column names.
+///   nodes.csv      node, position, mass, fixed
+///   triangles.csv  node numbers; in space tetrahedra.csv and facets.csv
+///   springs.csv    spring, its nodes, rest length, stiffness of the baselines and of the one set
+///   sets.csv       set, contact, direction of the tool displacement, magnitude
+///   stiffness.csv  spring, then one column per set [N/m]
 Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets);
 
-/// Of a law:
-///   nodes.csv, triangles.csv  as above                     springs.csv     theta of the law in place of the one set
-///   areas.csv      area, cell or region, a at rest, A      area_edges.csv  area, its nodes from and to
-///   terms.csv      term, coefficient                       contact.csv     log k of each row by its factors; in
-///                                                          space least and most of curved
-///   surface.csv    node, where along the free surface, log of how much stiffer contacts are there
-///   presses.csv     case, contact, in space the disc's radius, push, force of the hand, or
-///   pressed.csv    case, node, displacement, force                         the reason why it has none
-/// Displacement is the lattice's own, with which forces balance: beside a disc the surface is seen elsewhere (springs/skin.h).
-/// Where it relaxes branches.csv (time, the contact's share) and shares.csv (of each constant, springs first, a column a branch).
-/// In space tetrahedra.csv and facets.csv stand in place of triangles.csv, and of areas and surface
-///   cells.csv      cell, its corners, where its volume is taken, volume at rest, A; embedding.csv (node, its cube's corners and their
-///                  weights) and supports.csv (held node, k)
-///   correction.csv   disc's radius, facet, weights of its nodes, log of how much stiffer contacts are there
-///   surface.csv      node, the same of a law that has learned from pokes
-///   contact_rows.csv  row, case, kind, stiffness, what it takes of the push
-///   contact_pull.csv  row, node, what it takes of its displacement           contact_hardening.csv  case, hardening
+/// CSV tables of an energy model. nodes.csv and triangles.csv (tetrahedra.csv, facets.csv) are as above.
+///   springs.csv       as above, with the model's theta in place of the one set
+///   spring_curve.csv  parameters of the springs' force curve, where it is not Hooke's
+///   terms.csv         term, coefficient
+///   contact.csv       log k of each contact row by its factors; in space also least and most of `curved`
+///   presses.csv       case, contact, arc length or (in space) disc radius, tool displacement, force of the tool or the
+///                     reason why there is no equilibrium
+///   pressed.csv       case, node, displacement, force
+///   branches.csv      of a model that relaxes: relaxation time, relative modulus of the contact
+///   shares.csv        of a model that relaxes: relative moduli of each constant, springs first, one column per branch
+/// The displacement is the lattice's own, which is in equilibrium with the forces. The surface beside a disc is drawn
+/// differently (springs/skin.h).
+///
+/// In the plane:
+///   areas.csv         area, cell or region, area a at rest, stiffness A
+///   area_edges.csv    area, and the nodes from and to of each edge
+///   surface.csv       node, arc length along the free surface, log of the contact stiffness ratio after adaptation
+/// In space:
+///   cells.csv              cell, its corners, where its volume is taken, volume at rest, A
+///   embedding.csv          node, corners of its cube and their weights
+///   supports.csv           fixed node, k
+///   correction.csv         disc radius, facet, weights of its nodes, log of the contact stiffness ratio there
+///   surface.csv            node, log of the contact stiffness ratio; of an adapted model only
+///   contact_rows.csv       row, case, kind, stiffness, coefficients of the tool displacement
+///   contact_pull.csv       row, node, coefficients of its displacement
+///   contact_hardening.csv  case, hardening, saturation, coupling, in_compression
 Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases);
 
+/// CSV tables of FE load paths.
 ///   nodes.csv      node, position
-///   records.csv    path, record, magnitude, energy, contact and support force, smallest J; of measured cases magnitude and contact force alone
+///   records.csv    path, record, magnitude, energy, contact and support force, smallest J; for pairs of discs the
+///                  force of the second; of measured cases only magnitude and contact force
 ///   fields.csv     path, record, node, displacement, force
 Files csv_files(const Cases& cases, const std::vector<const LoadPath*>& paths);
 

@@ -5,11 +5,13 @@
 
 namespace tissue {
 
-/// What an export that is a folder holds: file names relative to it -> content.
+/// The files of an export that is a folder: name relative to the folder -> content.
 using Files = std::map<std::string, std::string>;
 
-/// Writes all of them into a folder of a drawn name, within theirs or, while that is not there, beside it, then moves them to their places, so
-/// that a full disk leaves what was there as it was. Files of other names in the folder stay. Makes the folder where it is missing. Throws FileError.
+/// Writes all files into a temporary folder with a random name, then moves them to their places, so that a full disk
+/// leaves the previous files unchanged. The temporary folder is inside `folder`, or beside it if `folder` does not
+/// exist yet. Makes `folder` where it is missing; files of other names in it stay. Throws FileError, also for a name
+/// that leads out of the folder.
 void write_files(const std::string& folder, const Files& files);
 
 }  // namespace tissue

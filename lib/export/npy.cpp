@@ -18,7 +18,7 @@ std::string bytes(const std::vector<Value>& values) {
     return out;
 }
 
-/// UTF-8 -> code points. Bytes that are no UTF-8 become U+FFFD.
+/// UTF-8 to code points. Invalid bytes become U+FFFD.
 std::u32string code_points(const std::string& text) {
     std::u32string out;
     for (std::size_t i = 0; i < text.size();) {
@@ -32,7 +32,8 @@ std::u32string code_points(const std::string& text) {
     return out;
 }
 
-/// Magic, version 1.0, length of the header, and the header itself, padded so that the data starts at a multiple of 64.
+/// The .npy header: magic, version 1.0, header length, and the dictionary, padded so that the data starts at a multiple
+/// of 64 bytes.
 std::string header(const std::string& type, const std::vector<std::size_t>& shape) {
     std::string tuple;
     for (std::size_t n : shape) tuple += fmt::format("{}, ", n);
@@ -82,7 +83,7 @@ Files npy_files(const Hdf5Reader& in) {
 
 namespace {
 
-/// Of springs that are not Hooke's.
+/// For springs that are not Hooke's.
 Files curve_files(const SpringCurve& curve) {
     if (curve.hookean()) return {};
     return {{"law/spring_curve.npy", header("<f8", {3}) + bytes(std::vector<double>{curve.q(), curve.shorter().stretch, curve.longer().stretch})}};
@@ -120,7 +121,7 @@ Files npy_files(const SolidLawTables& law, const ContactTable& contact) {
             {"law/contact_pull_row.npy", header("<i4", {Q}) + bytes(contact.pull_row)},
             {"law/contact_pull_node.npy", header("<i4", {Q}) + bytes(contact.pull_node)},
             {"law/contact_pull.npy", header("<f8", {Q, 3}) + bytes(numbers(contact.pull))},
-            {"law/contact_hardening.npy", header("<f8", {static_cast<std::size_t>(contact.hardening.rows()), 3}) + bytes(numbers(contact.hardening))}});
+            {"law/contact_hardening.npy", header("<f8", {static_cast<std::size_t>(contact.hardening.rows()), 4}) + bytes(numbers(contact.hardening))}});
     return files;
 }
 

@@ -11,7 +11,7 @@
 namespace tissue {
 namespace {
 
-/// Fields (N x D), D at most 3, as x y z x y z ...; the plane is z = 0.
+/// A field (N x D), D at most 3, as "x y z x y z ..."; in the plane z = 0.
 std::string vectors(const NodeField& field) {
     std::string text;
     for (Eigen::Index i = 0; i < field.rows(); ++i)
@@ -20,7 +20,7 @@ std::string vectors(const NodeField& field) {
     return text;
 }
 
-/// What may not stand in an XML comment: two hyphens in a row.
+/// Breaks up "--", which is not allowed in an XML comment.
 std::string in_comment(std::string text) {
     for (std::size_t at; (at = text.find("--")) != std::string::npos;) text.replace(at, 2, "- -");
     return text;
@@ -30,10 +30,10 @@ std::string in_comment(std::string text) {
 
 std::string sofa_fidelity(const std::string& law_name) {
     const std::unique_ptr<SpringLaw> law = make_spring_law(law_name);
-    if (law->axes_apart()) return "springs of no length and a constant force are this law in SOFA";
+    if (law->axes_apart()) return "exact in SOFA, by springs of zero length and a constant force";
     if (law->linear_in_displacement())
-        return "SOFA's springs turn with the tissue: the same stiffness at rest, other forces the more it turns";
-    return "SOFA's springs are this law";
+        return "SOFA's springs rotate with the tissue: equal stiffness at rest, different forces after rotation";
+    return "exact in SOFA";
 }
 
 std::string sofa_scene(const TissueModel& model, const NamedSet& set) {
@@ -46,7 +46,7 @@ std::string sofa_scene(const TissueModel& model, const NamedSet& set) {
                                no_length ? 0.0 : mesh.rest_length(s));
     std::string preload;
     if (no_length) {
-        // f = K x pulls the springs together at rest; K X holds them there
+        // f = K x pulls the springs together at rest; the constant force K X balances it
         NodeField hold(mesh.node_count(), mesh.dimension());
         Eigen::Map<Eigen::VectorXd>(hold.data(), hold.size()) =
             make_spring_law(model.law)->force_matrix(mesh, mesh.nodes) * set.theta;

@@ -6,18 +6,18 @@
 
 namespace tissue {
 
-/// How true SOFA's springs are to a law, in one sentence. A spring of its SpringForceField is theta (|x_i - x_j| - L0)
-/// along the current direction: `geometric` as it is; `isotropic` exactly, as springs of no length whose pull at rest a
-/// constant force takes up; laws that do not turn, or that stiffen, at rest alone.
-/// Throws MismatchError for an unknown law.
+/// States in one sentence how exactly SOFA's springs reproduce a spring law. A spring of its SpringForceField has the
+/// force theta (|x_i - x_j| - L0) along the current direction. `geometric` is the same. `isotropic` is exact with
+/// springs of zero length and a constant force that balances them at rest. Laws whose springs do not turn have the same
+/// stiffness at rest only. Throws MismatchError for an unknown law.
 std::string sofa_fidelity(const std::string& law);
 
-/// Why there is no scene of a law. SOFA's springs are the law's, but what could keep an area there, AreaMapping, knows
-/// single triangles, where a cell or region is the sum of many; and what has volume there is its own finite elements.
+/// Why an energy model has no scene. Its springs exist in SOFA, but SOFA's AreaMapping measures single triangles, where
+/// a cell or region is the sum of many. Its force fields with a volume are finite elements.
 constexpr const char* sofa_lacks = "SOFA has no force field that keeps the area of cells and regions, or the volume of boxes";
 
-/// A SOFA scene (.scn, XML, of releases since 24.06): nodes in the plane z = 0 [m], springs "i j ks kd L0" [N/m, N s/m,
-/// m], fixed nodes, node masses [kg], implicit Euler at 1 kHz without gravity or damping. Throws as sofa_fidelity.
+/// A SOFA scene (.scn, XML, for releases since 24.06): nodes in the plane z = 0 [m], springs "i j ks kd L0" [N/m, N
+/// s/m, m], fixed nodes, node masses [kg], implicit Euler at 1 kHz without gravity or damping. Throws as sofa_fidelity.
 std::string sofa_scene(const TissueModel& model, const NamedSet& set);
 
 }  // namespace tissue

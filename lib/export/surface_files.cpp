@@ -37,12 +37,13 @@ std::vector<double> list(const Point& v) {
     return {v.data(), v.data() + v.size()};
 }
 
-/// The buffer of a .glb and what its JSON says of it.
+/// The buffer of a .glb file, and the JSON of its views and accessors.
 class Buffer {
    public:
     enum Target { vertices = 34962, indices = 34963 };  // glTF 2.0, 5.11.5
 
-    /// A field of three columns as float32; returns the accessor's number. bounded: with its least and most, which positions need.
+    /// Adds a field of three columns as float32; returns the number of its accessor. bounded: with minimum and maximum,
+    /// which glTF requires of positions.
     int add(const NodeField& field, bool bounded) {
         const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> values = field.cast<float>();
         const int accessor = add(values.data(), values.size(), 5126, "VEC3", values.rows(), vertices);
@@ -65,7 +66,7 @@ class Buffer {
     }
 
     Json accessors = Json::array(), views = Json::array();
-    std::string bytes;  ///< every number has four
+    std::string bytes;  ///< every number has four bytes
 
    private:
     template <class Number>
@@ -105,7 +106,8 @@ std::string surface_glb(const PressedSurface& press) {
     Buffer buffer;
     Json primitive = {{"attributes", {{"POSITION", buffer.add(s.vertices, true)}, {"NORMAL", buffer.add(at_rest, false)}}}, {"indices", buffer.add(s.facets)}, {"material", 0}};
     primitive["targets"] = Json::array({{{"POSITION", buffer.add(press.places - s.vertices, true)}, {"NORMAL", buffer.add(pressed - at_rest, false)}}});
-    const int time_s = buffer.add(std::vector<float>{0, 1}), weight = buffer.add(std::vector<float>{0, 1});  // an accessor has one use
+    // two accessors with the same values, because an accessor has one use
+    const int time_s = buffer.add(std::vector<float>{0, 1}), weight = buffer.add(std::vector<float>{0, 1});
     const Json sampler = {{"input", time_s}, {"output", weight}, {"interpolation", "LINEAR"}};
     const double half = std::sqrt(0.5);
     const Json model = {

@@ -13,7 +13,7 @@
 namespace tissue {
 namespace {
 
-/// VTK's numbers of the cells we use.
+/// VTK's numbers of the cell types in use.
 enum CellType { vertex = 1, line = 3, quad = 9, tetrahedron = 10, hexahedron = 12 };
 
 /// Writes the XML of one grid. Numbers are the shortest text that reads back to the same double.
@@ -21,7 +21,7 @@ class Grid {
    public:
     explicit Grid(Eigen::Index points) : points_(points) {}
 
-    /// A field (N x D), filled up with zeros to three components.
+    /// A field (N x D), padded with zeros to three components.
     void at_points(const std::string& name, const NodeField& field) { point_data_ += array(name, "Float64", 3, vectors(field)); }
     void at_points(const std::string& name, const Eigen::VectorXd& values) {
         point_data_ += array(name, "Float64", 1, numbers(values));
@@ -89,11 +89,11 @@ std::string xml_text(const std::string& text) {
     return safe;
 }
 
-/// Nodes of each cell when the nodes are a lattice, numbered along x first, then y, then z; else none. In VTK's order: around
-/// the cell, in space around its lower face and then its upper one.
+/// Node numbers of each cell, if the nodes are a lattice numbered along x, then y, then z; else empty. Nodes are in
+/// VTK's order: around the cell; in space around its lower face, then its upper face.
 std::vector<std::vector<int>> lattice_cells(const NodeField& nodes) {
     const Eigen::Index N = nodes.rows(), D = nodes.cols();
-    std::vector<int> stride{1}, count;  // along each axis: to the next node, and how many of them
+    std::vector<int> stride{1}, count;  // along each axis: stride to the next node, and number of nodes
     for (Eigen::Index d = 0; d < D; ++d) {
         Eigen::Index end = stride.back();
         const auto in_line = [&](Eigen::Index i) { return (nodes.row(i).tail(D - d - 1) - nodes.row(0).tail(D - d - 1)).isZero(0); };
@@ -118,7 +118,7 @@ std::vector<std::vector<int>> lattice_cells(const NodeField& nodes) {
     return cells;
 }
 
-/// In space, the cells' corners in VTK's order.
+/// In space, the corners of the cells in VTK's order.
 std::vector<std::vector<int>> volumes_of(const SpringMesh& mesh) {
     constexpr int around[] = {0, 1, 3, 2, 4, 5, 7, 6};
     std::vector<std::vector<int>> volumes;
@@ -131,18 +131,19 @@ std::vector<std::vector<int>> volumes_of(const SpringMesh& mesh) {
     return volumes;
 }
 
-/// The spring mesh where it has moved to, with the forces that hold it there. volume_Pa: in space of what lies between springs.
+/// The displaced spring mesh with its nodal forces. volume_Pa: in space, stiffness of the cells.
 std::string mesh_vtu(const TissueModel& model, const Eigen::VectorXd& theta, const NodeField& displacement,
                      const NodeField& force, const Eigen::VectorXd& volume_Pa = {}) {
     const SpringMesh& mesh = model.mesh;
     std::vector<int> fixed(static_cast<std::size_t>(mesh.node_count()), 0);
     for (int node : mesh.fixed) fixed[static_cast<std::size_t>(node)] = 1;
     const std::vector<std::vector<int>> volumes = volumes_of(mesh);
-    // each array is of springs, then of volumes, and 0 where it means nothing: VTK's reader knows no NaN in text
+    // each array covers springs, then cells, and is 0 where it does not apply: VTK's reader does not accept NaN in text
     const Eigen::Index S = mesh.spring_count(), cells = S + static_cast<Eigen::Index>(volumes.size());
     Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(cells), rest_length = stiffness, volume_stiffness = stiffness;
     stiffness.head(S) = theta;
-    if (volume_Pa.size() > 0 && mesh.is_solid()) volume_stiffness.tail(cells - S) = volume_Pa.head(cells - S);  // supports are no volumes
+    // supports are not cells
+    if (volume_Pa.size() > 0 && mesh.is_solid()) volume_stiffness.tail(cells - S) = volume_Pa.head(cells - S);
 
     Grid grid(mesh.node_count());
     for (int s = 0; s < mesh.spring_count(); ++s) {
@@ -212,7 +213,7 @@ std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& 
         reason = reason_of(state.status);
         if (state) displacement = state.displacement;
     } else {
-        reason = "no load case belongs to it";
+        reason = "it has no load case";
     }
     NodeField force(mesh.node_count(), mesh.dimension());
     Eigen::Map<Eigen::VectorXd>(force.data(), force.size()) = law->force_matrix(mesh, displacement) * set.theta;
@@ -221,7 +222,7 @@ std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& 
 
 std::string pressed_vtu(const TissueModel& model, const PressedCase& pressed) {
     const NodeField rest = NodeField::Zero(model.mesh.node_count(), model.mesh.dimension());
-    const Eigen::VectorXd& constants = model.energy_law->constants;
+    const Eigen::VectorXd& constants = model.energy_model->constants;
     const Eigen::Index S = model.mesh.spring_count();
     return mesh_vtu(model, constants.head(S), pressed.state ? pressed.state.displacement : rest,
                     pressed.state ? pressed.force_N : rest, constants.tail(constants.size() - S));

@@ -8,7 +8,8 @@
 namespace tissue {
 namespace kernel {
 
-/// Right-looking: column j, once finished, is taken from the b columns after it.
+/// Right-looking factorisation: each finished column j is subtracted from the b columns after it.
+/// Returns false at a pivot that is not above `smallest`.
 TISSUE_HOT bool factor_band(double* a, int n, int b, double smallest) {
     const std::size_t stride = static_cast<std::size_t>(b) + 1;
     for (int j = 0; j < n; ++j) {
@@ -16,7 +17,7 @@ TISSUE_HOT bool factor_band(double* a, int n, int b, double smallest) {
         if (!(column[0] > smallest)) return false;
         const double pivot = std::sqrt(column[0]), inverse = 1 / pivot;
         const int below = std::min(b, n - 1 - j);
-        column[0] = inverse;  // kept inverted: solving multiplies
+        column[0] = inverse;  // stored inverted, so that solving multiplies
         for (int k = 1; k <= below; ++k) column[k] *= inverse;
         for (int k = 1; k <= below; ++k) {
             const double factor = column[k];
@@ -86,7 +87,7 @@ FreeNumbering::FreeNumbering(const RealtimeMesh& mesh) {
     }
     std::sort(free_slots.begin(), free_slots.end());
 
-    // two orders: as the nodes are numbered, and Cuthill and McKee's; the narrower band wins
+    // The numbering with the narrower band of two: the mesh's own, and that of Cuthill and McKee.
     const auto bandwidth = [&](const std::vector<int>& order_of) {
         int widest = 0;
         for (int slot : free_slots) {

@@ -60,7 +60,7 @@ TISSUE_INLINE Vector operator+(const Vector& a, const Vector& b) { return {a.x +
 TISSUE_INLINE double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 TISSUE_INLINE Vector cross(const Vector& a, const Vector& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
-/// What det (A B C) gains when p, q, r are added to its columns, in which nothing cancels, and its derivatives by them.
+/// Growth of det (A B C) when p, q, r are added to its columns, free of cancellation, and its derivatives by p, q, r.
 struct Gained {
     double by;
     Vector by_p, by_q, by_r;
@@ -70,7 +70,7 @@ TISSUE_INLINE Gained gained(const Vector& A, const Vector& B, const Vector& C, c
     return {dot(p, before) + dot(a, more), before + more, cross(c, a), cross(a, b)};
 }
 
-/// Unit pull or `pulled`. Returns J - 1.
+/// Forces at the corners of cube k, for gain (J - 1) where `pulled`, else for 1 in its place. Returns J - 1.
 template <bool pulled>
 TISSUE_INLINE double cube(int k, double per_m, const double* __restrict cx, const double* __restrict cy, const double* __restrict cz, double gain,
                           const double* __restrict ux, const double* __restrict uy, const double* __restrict uz, int up, int in, int far, double* __restrict g) {
@@ -78,7 +78,7 @@ TISSUE_INLINE double cube(int k, double per_m, const double* __restrict cx, cons
     const double x = cx[k], y = cy[k], z = cz[k], X = per_m * (1 - x), Y = per_m * (1 - y), Z = 1 - z;
     const double hx = per_m * x, hy = per_m * y;
     const double along_x[4] = {Y * Z, hy * Z, Y * z, hy * z}, along_y[4] = {X * Z, hx * Z, X * z, hx * z}, along_z[4] = {X * (1 - y), hx * (1 - y), X * y, hx * y};
-    double by[3][3];  // axis, component
+    double by[3][3];  // displacement gradient: axis, component
     for (int d = 0; d < 3; ++d) {
         const double* __restrict from = d == 0 ? ux : d == 1 ? uy : uz;
         double v[8];

@@ -3,7 +3,7 @@
 namespace tissue {
 namespace {
 
-/// A proxy that lies on the surface counts as outside, in spite of rounding.
+/// A proxy less deep than this counts as outside, since rounding displaces one that lies on the surface.
 constexpr double on_surface_m = 1e-9;
 
 void put_on_surface(ContactState& state, const SurfacePlace& where) noexcept {
@@ -32,7 +32,7 @@ ContactRow update_contact(const MovingSurface& surface, const Point& master_m, C
             if (const auto crossing = surface.first_crossing(state.proxy_m, master_m)) {
                 put_on_surface(state, *crossing);
             } else if (master_inside) {
-                put_on_surface(state, surface.nearest(state.proxy_m));  // between two facets by rounding
+                put_on_surface(state, surface.nearest(state.proxy_m));  // rounding hid the crossing between two facets
             } else {
                 state.proxy_m = master_m;
             }

@@ -16,7 +16,7 @@ ContactStiffness::ContactStiffness(const RealtimeMesh& mesh, const std::vector<i
     const NodeColumns rest = NodeColumns::Zero(mesh.node_count(), 2);
     const bool factorable = BandCholesky::bytes(numbering.order, numbering.half_bandwidth) < 256e6;
 
-    // a segment's serving set, by sets so that each is factored once
+    // segments by their set, so that each set is factored once
     std::map<int, std::vector<std::size_t>> segments_of_set;
     for (std::size_t b = 0; b < M; ++b) segments_of_set[first_set[b]].push_back(b);
 

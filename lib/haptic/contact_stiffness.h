@@ -7,24 +7,29 @@
 
 namespace tissue {
 
-/// How stiff each place of the outline is by itself: force over displacement of a contact pushed there at rest, mean of
-/// the axes, with the spring set that serves a first touch. The virtual coupling k_C of springs is a multiple of it.
+/// Stiffness of a spring mesh at each place of its outline: force over displacement of a contact there, at rest, as the
+/// mean over the axes, with the spring set that is selected at a first touch. The virtual coupling k_C is a multiple of
+/// it (HapticOptions::coupling_ratio).
 class ContactStiffness {
    public:
-    /// first_set: that serves a first touch of each segment of the outline (M). theta_of_set: by slot, one column a set (P x C).
+    /// first_set: index of the set that is selected at a first touch of each segment of the outline (M).
+    /// theta_of_set: stiffness by slot, one column a set [N/m] (P x C).
     ContactStiffness(const RealtimeMesh& mesh, const std::vector<int>& first_set, const Eigen::MatrixXd& theta_of_set);
 
-    /// [N/m] at weight w of a segment of the outline; never above largest(). Does not allocate.
+    /// Stiffness at weight w of a segment of the outline [N/m], at most largest(). w: 0 at its first node, 1 at its
+    /// second. Allocates nothing.
     double at(int segment, double w) const noexcept;
 
-    /// At the stiffest free node of the outline [N/m].
+    /// Stiffness at the stiffest free node of the outline [N/m].
     double largest() const { return largest_; }
 
-    /// Nodes of the outline whose serving set has zero-energy modes: the mean spring stands in there.
+    /// Number of segments of the outline without a stiffness of their own, which have that of the mean spring instead:
+    /// the stiffness matrix of their set is singular (zero-energy modes), or it is too large to factor (256 MB).
     int floppy() const { return floppy_; }
 
    private:
-    std::vector<double> first_, second_, mixed_;  ///< compliances of each segment: w0 w0, w1 w1, 2 w0 w1 [m/N] (M)
+    /// Compliance of each segment: coefficients of w0^2, w1^2 and w0 w1, of the weights of its ends [m/N] (M).
+    std::vector<double> first_, second_, mixed_;
     double largest_ = 0;
     int floppy_ = 0;
 };

@@ -4,7 +4,7 @@
 
 namespace tissue {
 
-/// A device that cannot be opened: a library or a port that is missing, a recording that holds nothing.
+/// A device cannot be opened: a library or a port is missing, or a recording is empty.
 struct DeviceError : Error {
     using Error::Error;
 };

@@ -4,31 +4,42 @@
 
 namespace tissue {
 
-/// What a device is to the hand and to the loop, as data. 0, or infinite: not known, and nothing is checked with it.
+/// Device impedance: mechanical properties, limits and timing of a device. A property that is 0 or infinite by default
+/// is then unknown, and no check uses it.
 struct DeviceImpedance {
     const char* name = "";
-    double mass_kg = 0;                                              ///< apparent, at the tool, with nobody's hand on it
-    double damping_Ns_m = 0;                                         ///< of its own
-    double stiffness_N_m = std::numeric_limits<double>::infinity();  ///< the largest that it can show
-    double force_max_N = std::numeric_limits<double>::infinity();    ///< at its nominal position
-    double rate_Hz = std::numeric_limits<double>::infinity();        ///< at which it measures positions and takes forces
-    double delay_s = 0;                                              ///< between the measurement of a position and the force that answers it, besides the tick's own period: one servo period where a force goes out in the period after it was written
+    double mass_kg = 0;                                              ///< apparent mass at the tool, without a hand
+    double damping_Ns_m = 0;                                         ///< viscous damping of the device itself
+    double stiffness_N_m = std::numeric_limits<double>::infinity();  ///< largest stiffness that it can render
+    double force_max_N = std::numeric_limits<double>::infinity();    ///< largest force at its nominal position
+    double rate_Hz = std::numeric_limits<double>::infinity();        ///< rate of its positions and forces
+    /// Delay from the measurement of a position to the force that is computed from it, in addition to the period of the
+    /// tick. It is one servo period where a force goes out in the period after it was written.
+    double delay_s = 0;
 };
 
-/// A Touch, and its predecessor the PHANTOM Omni: mass 45 g, 3.3 N, 1.02 N/mm on its softest axis by the vendor's data sheet. The sheet has no damping,
-/// and none is relied on. OpenHaptics reads positions and sets forces at 1 kHz; the force that answers a position goes out with the next one.
+/// Touch, and its predecessor PHANTOM Omni: 45 g, 3.3 N, 1.02 N/mm on its softest axis, by the vendor's data sheet. The
+/// sheet gives no damping, so none is assumed. OpenHaptics reads positions and sets forces at 1 kHz. The force computed
+/// from a position goes out together with the next position, which is a delay of 1 ms.
 inline constexpr DeviceImpedance touch_impedance{"Touch", 0.045, 0, 1020, 3.3, 1000, 1e-3};
 
-/// What a user says of a device that is known: his mass and damping where he gives them, of two limits or rates the lower, of two delays the longer.
+/// Combines properties given by a user (`said`) with those of a known device: the user's mass and damping where they
+/// are given (not 0), the lower of two limits or rates, the longer of two delays, and the known device's name.
 DeviceImpedance stricter(DeviceImpedance said, const DeviceImpedance& known);
 
-/// The most that a contact may answer a hand with at once [N/m], so that a device of this mass and damping is stable on it, with room for ticks that come late, whatever hand
-/// holds the device. lead: how far ahead of the hand, in dt, the force of a tick is. 0 where no contact is stable.
+/// Largest stiffness of a contact, before the tissue under it moves [N/m], on which a device of this mass and damping
+/// is stable in any hand, with a margin for late ticks. device: mass_kg > 0. dt_s: period of the tick [s]. lead: time
+/// by which the force of a tick is ahead of the hand [dt]. Returns 0 where no contact is stable.
 ///
-/// With x_n the hand at tick n, the tool of that tick goes from where the tick before left it, 2 x_{n-1} - x_{n-2}, straight to 2 x_n - x_{n-1}, and a contact K answers with
+/// Let x_n be the hand's position at tick n. The tool goes on a straight line from its end in the tick before,
+/// 2 x_{n-1} - x_{n-2}, to 2 x_n - x_{n-1}. A contact of stiffness K then gives the force
 ///     F_n = -K (2 lead x_n + (2 - 3 lead) x_{n-1} + (lead - 1) x_{n-2}),
-/// held for dt; at lead 1 a spring and a damper K dt. A mass and a damper under it are stable up to some K: K dt^2 / m = 2/3 at lead 1 without damping of its own. 0.45 of that is
-/// asked for. With a delay of d periods (whole ones, rounded up) and positions that say so (DeviceSample::age_s) the tool goes to x_{n-d} + (1 + d) (x_{n-d} - x_{n-d-1}) instead: at lead 1 and d = 1 up to 0.11.
+/// which is held for dt. At lead 1 this is a spring K and a damper K dt. The device, a mass and a damper, is stable
+/// under this force up to some K: K dt^2 / m = 2/3 at lead 1 without damping of the device. The result is 0.45 of it.
+///
+/// With a delay of d periods (rounded up to a whole number), and with positions that state their age
+/// (DeviceSample::age_s), the tool goes to x_{n-d} + (1 + d) (x_{n-d} - x_{n-d-1}) instead. The limit of K dt^2 / m is
+/// then 0.11 at lead 1 and d = 1. With d > 3 no contact counts as stable.
 double stable_stiffness_N_m(const DeviceImpedance& device, double dt_s, double lead);
 
 }  // namespace tissue

@@ -13,43 +13,45 @@
 
 namespace tissue {
 
-/// What a kind of device can be told, as a program offers it: --name VALUE.
+/// An option of a kind of device, which programs offer as --name VALUE.
 struct DeviceOption {
-    std::string name, unit, initial, meaning;               ///< unit: m, number, NAME, FILE; initial "": none
-    bool needed = false;                                    ///< by this kind
-    std::string (*wrong)(const std::string& text) = nullptr;  ///< what is wrong with a value; "" when nothing is
+    std::string name, unit, initial, meaning;               ///< unit: m, number, NAME, FILE; initial "": no default
+    bool needed = false;                                    ///< this kind requires a value
+    /// Checks a value: returns the error as text, "" for a valid value. Null: every value is valid.
+    std::string (*wrong)(const std::string& text) = nullptr;
 };
 
 /// The session that a device is made for.
 struct DeviceContext {
-    double seconds = 10;                            ///< 0: no end
-    unsigned long seed = 2008;                      ///< of what is drawn
-    int tool = 0;                                   ///< of the session, that it moves
-    const SpringMesh* rest = nullptr;               ///< the tissue; what it is for must outlive make()
+    double seconds = 10;                            ///< length of the session [s]; 0: no end
+    unsigned long seed = 2008;                      ///< of random motions
+    int tool = 0;                                   ///< index of the session's tool that the device moves
+    const SpringMesh* rest = nullptr;               ///< mesh of the tissue at rest; it must outlive make()
     DeviceMap map;
 };
 
 /// Values of options by their names, as text.
 using DeviceValues = std::map<std::string, std::string>;
 
-/// A kind of device: its name, what it can be told, how it is made, what it is to a hand. `make` gets every option of its own, none wrong.
+/// A kind of device: its name, its options, the function that makes one, and its impedance. `make` gets a valid value
+/// of every option of this kind.
 struct DeviceKind {
     const char* name;
     std::vector<DeviceOption> options;
     std::unique_ptr<Device> (*make)(const DeviceValues& values, const DeviceContext& context);
     DeviceImpedance impedance = {};
-    double seconds = 0;     ///< of a session that is not told how long; 0: until the device ends
-    bool several = true;    ///< a session may have more than one of it
-    bool scripted = false;  ///< its motion is known before it begins, and no hand feels the force: it needs no clock
+    double seconds = 0;     ///< default length of a session [s]; 0: until the device ends
+    bool several = true;    ///< a session may have more than one device of this kind
+    bool scripted = false;  ///< the motion is fixed in advance and no hand gets the force: ticks need no clock
 };
 
-/// Every kind that a program can be asked for by name, in the order in which messages list them; the first is the
-/// default. A new kind is a file of its own and a line in device_kinds.cpp. (PointerDevice is not one of them: it is made
-/// by whoever aims it.)
+/// All kinds of device that programs select by name, in the order of messages. The first is the default. A new kind
+/// needs a file of its own and a line in device_kinds.cpp. PointerDevice is not in the list: the code that aims it
+/// makes it.
 const Registry<const DeviceKind*>& device_kinds();
 
-/// Options that `values` leaves out have their initial value. Throws MismatchError for a name that is not known, an option
-/// that is missing or wrong, and what the device throws.
+/// Makes a device of the kind `name`. Options that `values` leaves out have their initial value. Throws MismatchError
+/// for an unknown kind and for an option that is missing or wrong, and whatever the kind's `make` throws.
 std::unique_ptr<Device> make_device(const std::string& name, DeviceValues values, const DeviceContext& context);
 
 }  // namespace tissue

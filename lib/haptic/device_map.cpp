@@ -14,17 +14,17 @@ namespace tissue {
 void DeviceMap::fit(int dimension) {
     if (axes.rows() == 0) axes = Eigen::Matrix3d::Identity().topRows(dimension);
     if (offset_m.size() == 0) offset_m = Point::Zero(dimension);
-    if (axes.rows() != dimension) throw MismatchError(fmt::format("axes: {} device axes for a tissue of {}", axes.rows(), dimension));
+    if (axes.rows() != dimension) throw MismatchError(fmt::format("axes: {} device axes for a tissue of {} axes", axes.rows(), dimension));
     if (offset_m.size() != dimension) throw MismatchError(fmt::format("offset: {} numbers for a tissue of {} axes", offset_m.size(), dimension));
-    if (rotation_rad.size() != 0 && rotation_rad.size() != 3) throw MismatchError(fmt::format("rotation: three numbers, in the plane too, not {}", rotation_rad.size()));
-    if (rotation_rad.size() != 0 && !(rotation_rad.cwiseAbs().maxCoeff() <= 100)) throw MismatchError("a rotation's numbers are radians, at most 100");
+    if (rotation_rad.size() != 0 && rotation_rad.size() != 3) throw MismatchError(fmt::format("rotation: needs three numbers, also in the plane, not {}", rotation_rad.size()));
+    if (rotation_rad.size() != 0 && !(rotation_rad.cwiseAbs().maxCoeff() <= 100)) throw MismatchError("rotation: numbers are in radians, at most 100");
     turn_ = axes;
     if (const double angle = rotation_rad.size() == 0 ? 0 : rotation_rad.norm(); angle > 0) turn_ = axes * Eigen::AngleAxisd(angle, Eigen::Vector3d(rotation_rad / angle)).toRotationMatrix();
 }
 
 Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> parse_axes(const std::string& text) {
     const auto refuse = [&] {
-        throw MismatchError(fmt::format("axes '{}': wanted two or three different ones of x, y, z with a sign, as in x,-z", text));
+        throw MismatchError(fmt::format("axes '{}': must be two or three different axes of x, y, z, each with or without a sign, as in x,-z", text));
     };
     std::vector<std::string> words;
     std::stringstream in(text);

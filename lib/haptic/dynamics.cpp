@@ -30,7 +30,7 @@ Point ContactLoad::later(const Point& tool_m) const noexcept {
 }
 
 Point ContactLoad::force_at(const RealtimeMesh& mesh, const NodeColumns& held) const noexcept {
-    if (tool) return tool->hand_N(later(*push_m), held, memory);
+    if (tool) return tool->tool_force_N(later(*push_m), held, memory);
     return Point(given_N + coupling_N_m * (later(master_m) - proxy(mesh, held)));
 }
 
@@ -56,7 +56,7 @@ Point Dynamics::advance(MeshState& state, ContactLoad& load, double dt_s, int st
 }
 
 void Dynamics::advance(MeshState& state, ContactLoads& loads, double dt_s, int steps, int of_last, Point* mean_N) noexcept {
-    const int count = std::max(loads.count, 1);  // a free one where there is no tool
+    const int count = std::max(loads.count, 1);  // without a tool one free load
     Point force[most_tools];
     for (int k = 0; k < steps; ++k) {
         step_under(state, loads.load, count, force);
@@ -82,8 +82,8 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
                                         options.damping_1_s));
     const DynamicsKind* kind = dynamics_kinds().at(name);
     if (kind != &symplectic_dynamics && options.law)
-        throw MismatchError(fmt::format("an energy model is stepped by '{}', not by '{}'", symplectic_dynamics.name, name));
-    if (!options.law && !mesh.embedding().empty()) throw MismatchError("an embedded lattice plays by its law alone");
+        throw MismatchError(fmt::format("an energy model needs dynamics '{}', not '{}'", symplectic_dynamics.name, name));
+    if (!options.law && !mesh.embedding().empty()) throw MismatchError("an embedded lattice needs an energy model");
     return kind->make(mesh, options);
 }
 
@@ -91,18 +91,18 @@ std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s) {
     const double omega_dt = std::sqrt(largest_eigenvalue_1_s2) * dt_s;
     for (const DynamicsKind* kind : dynamics_kinds().kinds())
         if (omega_dt <= kind->stable_omega_dt) return kind->name;
-    throw MismatchError(fmt::format("no step is stable at omega dt = {}", omega_dt));
+    throw MismatchError(fmt::format("no time integration is stable at omega dt = {}", omega_dt));
 }
 
-int law_substeps(double largest_eigenvalue_1_s2, double dt_s) {
-    constexpr double most = 1000;  // no tick has time for as many
+int energy_model_substeps(double largest_eigenvalue_1_s2, double dt_s) {
+    constexpr double most = 1000;  // more do not fit into a tick
     const double steps = std::ceil(1.5 * std::sqrt(largest_eigenvalue_1_s2) * dt_s);
     if (!(steps <= most))
-        throw MismatchError(fmt::format("the law needs {:g} steps in {:g} ms, at most {:g} are possible: it is too stiff for its mass", steps, 1e3 * dt_s, most));
+        throw MismatchError(fmt::format("the energy model needs {:g} steps in {:g} ms, at most {:g} are possible: it is too stiff for its mass", steps, 1e3 * dt_s, most));
     return std::max(1, static_cast<int>(steps));
 }
 
-double law_contact_damping_s(double largest_eigenvalue_1_s2, double dt_s, int steps) {
+double energy_model_contact_damping_s(double largest_eigenvalue_1_s2, double dt_s, int steps) {
     const double h = dt_s / steps;
     return std::min(contact_damping_s(dt_s, steps), (2 / (largest_eigenvalue_1_s2 * h) - h) / 2);
 }

@@ -10,21 +10,22 @@
 namespace tissue {
 namespace {
 
-constexpr int most_steps = 4, most_halvings = 6;  // of one tick
-constexpr double farthest_m = 0.05;               // outside the cone
-constexpr double on_cone = 1e-3;                  // of the cone's own size: nearer is on it
-constexpr double longest = 0.5;                   // step, in spacings of the surface's nodes: the contact's rows change little
+// Slides are short, so that the contact's rows change little in each.
+constexpr int most_steps = 4, most_halvings = 6;  // of one call; outside() halves up to twice as often
+constexpr double farthest_m = 0.05;               // longest step of outside()
+constexpr double on_cone = 1e-3;                  // tolerance of |f_t| on the cone, over mu f_n
+constexpr double longest = 0.5;                   // longest slide, over the spacing of the surface's nodes
 
-/// A tool's force on tissue at a push, along the surface and into it.
+/// The tool's force on the tissue at a tool displacement, split into its tangential and its normal part.
 struct Pull {
     Pull(const Point& push, const NodeColumns& u, const ToolSpring& tool, const ToolMemory& memory) noexcept {
-        const Point hand = tool.hand_N(push, u, &memory), inward = tool.inward();
+        const Point hand = tool.tool_force_N(push, u, &memory), inward = tool.inward();
         pressed_N = std::max(0.0, hand.dot(inward));
         direction = hand - hand.dot(inward) * inward;
         drag_N = direction.norm();
         if (drag_N > 0) direction /= drag_N;
     }
-    /// How far along the surface the tool is outside the cone of mu [m]; 0 where it is not stiff that way.
+    /// Tangential distance of the tool from the cone of mu, by the tangent stiffness [m]. 0 where that is not positive.
     double outside_m(double mu, const Point& push, const NodeColumns& u, const ToolSpring& tool, const ToolMemory& memory) const noexcept {
         const double stiffness = direction.dot(tool.stiffness_N_m(push, u, &memory) * direction);
         return stiffness > 0 ? (drag_N - mu * pressed_N) / stiffness : 0;
@@ -32,7 +33,7 @@ struct Pull {
     bool outside(double mu) const { return drag_N > mu * pressed_N + on_cone * (mu * pressed_N + 1e-6 * drag_N); }
 
     double pressed_N, drag_N;
-    Point direction;  ///< unit, of the drag
+    Point direction;  ///< unit vector of the tangential force
 };
 
 }  // namespace
@@ -40,11 +41,11 @@ struct Pull {
 Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip_(options.slip.value_or(options.stick)), has_slip_(options.slip.has_value()) {
     if (!(stick_ >= 0)) throw MismatchError(fmt::format("friction must not be negative, not {}", stick_));
     if (!(slip_ >= 0)) throw MismatchError(fmt::format("friction-slip must not be negative, not {}", slip_));
-    if (options.slip && std::isinf(stick_)) throw MismatchError("friction-slip does nothing without friction: the tool never slips");
+    if (options.slip && std::isinf(stick_)) throw MismatchError("friction-slip has no effect without friction, where the tool never slips: set friction too");
     if (!(slip_ <= stick_)) throw MismatchError(fmt::format("kinetic friction {} must not be above the static {}", slip_, stick_));
 }
 
-Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeLaw& law, const NodeColumns& u, const Point& tool_m,
+Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeEnergyModel& law, const NodeColumns& u, const Point& tool_m,
                      SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory, ToolMemory* beside) noexcept {
     Point drags = Point::Zero(tool_m.size());
     if (std::isinf(stick_)) return drags;
@@ -53,7 +54,7 @@ Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, cons
         const Point push = tool_m - touched_m;
         const Pull pull(push, u, tool, memory);
         if (!pull.outside(slips ? slip_ : cone())) break;
-        if (!slips) drags = pull.direction;  // later steps correct this one
+        if (!slips) drags = pull.direction;  // the direction of the first step; later steps correct it
         slips = true;
         slipping_ = true;
         double way_m = std::min(pull.outside_m(slip_, push, u, tool, memory), longest * surface.spacing_m());
@@ -64,7 +65,7 @@ Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, cons
             if (!(walk.walked_m > 0)) break;
             const Point place = mesh.rest_place(walk.facet, walk.weight);
             next_.show_at_most(tool.most_N());
-            law.contact(walk.facet, walk.weight, tool.growth(), next_);  // with the growth of this tick; the next one computes it anew
+            law.contact(walk.facet, walk.weight, tool.growth(), next_);  // the next tick updates its growth
             next_memory_ = memory;
             next_memory_.follow(tool, next_);
             const double after_J = next_.energy_J(tool_m - place, u, &next_memory_);
@@ -89,8 +90,9 @@ Point Friction::outside(const Point& push, const NodeColumns& u, const ToolSprin
     for (int step = 0; step < most_steps; ++step) {
         const Pull pull(push - sum, u, tool, memory);
         if (!pull.outside(cone())) break;
-        double way_m = std::min(pull.outside_m(cone(), push - sum, u, tool, memory), farthest_m);  // where the tool shows its largest force it is next to not stiff
-        for (int half = 0; half < 2 * most_halvings && tool.hand_N(push - sum - way_m * pull.direction, u, &memory).dot(pull.direction) < 0; ++half) way_m /= 2;
+        // farthest_m: at its largest force the tool has almost no stiffness
+        double way_m = std::min(pull.outside_m(cone(), push - sum, u, tool, memory), farthest_m);
+        for (int half = 0; half < 2 * most_halvings && tool.tool_force_N(push - sum - way_m * pull.direction, u, &memory).dot(pull.direction) < 0; ++half) way_m /= 2;
         sum += way_m * pull.direction;
     }
     return sum;
@@ -99,7 +101,8 @@ Point Friction::outside(const Point& push, const NodeColumns& u, const ToolSprin
 Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const MovingSurface& now, double coupling_N_m, const Point& tool_m,
                      SurfacePlace& where) noexcept {
     if (std::isinf(stick_)) return Point::Zero(2);
-    // in the plane, where springs alone are played: along the segment at rest, as its nodes go up and down while the tool passes
+    // Spring sets exist in the plane only. The tangent is that of the segment at rest, since the nodes of the segment
+    // go up and down while the tool passes.
     const Eigen::Vector2d from = mesh.rest_place(where.facet, {1, 0, 0}), to = mesh.rest_place(where.facet, {0, 1, 0});
     const Eigen::Vector2d tangent = (to - from).normalized(), inward(-tangent.y(), tangent.x());
     const Eigen::Vector2d gap = tool_m - where.position_m;

@@ -9,11 +9,11 @@
 
 #include "error.h"
 #include "haptic/dynamics_kinds.h"
-#include "haptic/law_spectrum.h"
+#include "haptic/energy_model_spectrum.h"
 #include "haptic/session_options.h"
 #include "haptic/spectrum.h"
 #include "haptic/support_mass.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/spring_sets.h"
 #include "version.h"
 
@@ -24,12 +24,13 @@ constexpr double elastic_law_damping_ratio = 0.17, relaxing_damping_ratio = 0.01
 constexpr double usual_innovation = 0.05, usual_coupling_ratio = 10;
 constexpr double turn = 2 * 3.14159265358979323846;
 
-/// law: a name, or the curve of springs that turn.
+/// Makes a mesh of springs. law: the name of a SpringLaw, or the curve of springs along their current direction.
+/// theta: one spring set a row [N/m] (C x S).
 template <class Law>
 std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel& model, const Law& law,
                                       const Eigen::Ref<const NodeField>& theta, const Point& place_m, const Eigen::VectorXd& node_mass_kg) {
     if (!theta.allFinite() || !(theta.minCoeff() > 0))
-        throw MismatchError(fmt::format("the {} mesh has springs that are not positive", name));
+        throw MismatchError(fmt::format("the {} mesh has spring stiffnesses that are not positive", name));
     auto mesh = std::make_unique<HapticMesh>(
         HapticMesh{name, RealtimeMesh(model.mesh, law, node_mass_kg), {}, nullptr, place_m, "", 1, 0, 0, 0, 0, 0, 0, 0});
     mesh->theta_of_set.resize(mesh->springs.slot_count(), theta.rows());
@@ -38,53 +39,57 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
 }
 
 std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueModel& model, const Point& place_m, const ToolChoice& tool) {
-    const NodeField theta = model.energy_law->constants.head(model.mesh.spring_count()).transpose();
-    auto mesh = make_mesh(name, model, model.energy_law->curve, theta, place_m, mass_with_supports(model));
-    mesh->law = std::make_unique<RealtimeLaw>(model, mesh->springs, tool.shape == ToolChoice::Shape::ball ? tool.radius_m : 0);
+    const NodeField theta = model.energy_model->constants.head(model.mesh.spring_count()).transpose();
+    auto mesh = make_mesh(name, model, model.energy_model->curve, theta, place_m, mass_with_supports(model));
+    mesh->law = std::make_unique<RealtimeEnergyModel>(model, mesh->springs, tool.shape == ToolChoice::Shape::ball ? tool.radius_m : 0);
     return mesh;
 }
 
-/// In space: Van Gelder's springs as they are, without cells, under the learned law's contact. A point load on a lattice in space
-/// has no stiffness of its own, so that springs under a virtual coupling would say nothing (in the plane they do).
+/// The baseline in space: Van Gelder's springs without cells, with the contact of the trained energy model. A point
+/// load on a 3-D lattice has no stiffness of its own, so springs under a virtual coupling would be no baseline (in the
+/// plane they are).
 TissueModel untrained(const TissueModel& model) {
     TissueModel heuristic = model;
-    Eigen::VectorXd& constants = heuristic.energy_law->constants;
+    Eigen::VectorXd& constants = heuristic.energy_model->constants;
     constants = springs_alone(model.mesh, constants, model.heuristic_a);
-    heuristic.energy_law->curve = SpringCurve();
-    heuristic.energy_law->terms.clear();  // nothing of it is learned, its skin neither
-    heuristic.energy_law->coefficients.resize(0);
+    heuristic.energy_model->curve = SpringCurve();
+    heuristic.energy_model->terms.clear();  // the baseline has no trained part, and no trained skin
+    heuristic.energy_model->coefficients.resize(0);
     return heuristic;
 }
 
-/// The tool goes straight on through a tick's steps, so that their mean force is that of (n - 1) / 2n of dt after its start.
+/// HapticMesh::lead [dt]. The tool moves on a straight line through the n steps of a tick, so their mean force is that
+/// at (n - 1) / 2n of dt after its start. The contact's damper adds its own time ahead.
 double lead_of(const HapticMesh& mesh, double dt_s) {
     return (mesh.substeps - 1) / (2.0 * mesh.substeps) + mesh.contact_damping_s / dt_s;
 }
 
-/// Which step runs, and with how much damping: from the spectrum, of the instantaneous stiffness.
+/// Chooses the time integration of an energy model and its damping, from the spectrum of the instantaneous stiffness.
 void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const HapticOptions& o) {
-    const LawSpectrum spectrum = law_spectrum(model, mesh.springs, o.tools);
+    const EnergyModelSpectrum spectrum = energy_model_spectrum(model, mesh.springs, o.tools);
     const double lowest = std::sqrt(spectrum.smallest);
     mesh.largest_eigenvalue_1_s2 = spectrum.largest;
-    // of a ball F = 5/4 of the disc's, and grows as d^1.5 (Hertz); on a hollow surface its contact is larger
+    // A ball's force is 5/4 of the disc's, and grows as d^1.5 (Hertz). Its contact is larger on a concave surface.
     const bool is_ball = o.tool.shape == ToolChoice::Shape::ball;
     const double stiffer = is_ball ? 1.5 * 1.25 * BallContact::hollow : 1;
     mesh.contact_N_m = o.stiffest * stiffer * spectrum.contact_N_m;
     mesh.static_N_m = o.stiffest * stiffer * spectrum.static_N_m;
     mesh.dynamics = o.dynamics == "auto" ? "symplectic" : o.dynamics;
-    mesh.substeps = law_substeps(o.stiffest * spectrum.largest, o.dt_s);
+    mesh.substeps = energy_model_substeps(o.stiffest * spectrum.largest, o.dt_s);
     mesh.lowest_frequency_Hz = lowest / turn;
     mesh.damping_1_s = 2 * *o.damping_ratio * lowest;
-    mesh.contact_damping_s = law_contact_damping_s(o.stiffest * spectrum.largest, o.dt_s, mesh.substeps);
+    mesh.contact_damping_s = energy_model_contact_damping_s(o.stiffest * spectrum.largest, o.dt_s, mesh.substeps);
     mesh.lead = lead_of(mesh, o.dt_s);
-    make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s / mesh.substeps, mesh.damping_1_s, mesh.law.get()});  // throws here, if at all
+    // made to check the options: it throws where they do not fit
+    make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s / mesh.substeps, mesh.damping_1_s, mesh.law.get()});
 }
 
+/// The same for spring sets. coupling_N_m: k_C at the stiffest place of the outline.
 void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ratio, double coupling_N_m) {
     double bare = 0;
     for (Eigen::Index c = 0; c < mesh.theta_of_set.cols(); ++c) {
         const double here = largest_eigenvalue(mesh.springs, mesh.theta_of_set.col(c));
-        if (here > bare || std::isnan(here)) bare = here;  // std::max would lose what is no number
+        if (here > bare || std::isnan(here)) bare = here;  // std::max would drop NaN
     }
     double lightest = 0;
     for (int node : mesh.springs.outline()) lightest = std::max(lightest, mesh.springs.inverse_mass()[node]);
@@ -93,8 +98,9 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
     mesh.static_N_m = coupling_N_m / *o.coupling_ratio;
     mesh.dynamics = o.dynamics == "auto" ? stable_dynamics(mesh.largest_eigenvalue_1_s2, o.dt_s) : o.dynamics;
     mesh.contact_damping_s = mesh.dynamics == paper_dynamics.name ? 0 : contact_damping_s(o.dt_s, 1);
-    if (mesh.dynamics == symplectic_dynamics.name) {  // as many steps as the contact's damper needs: omega^2 + 2 ahead / h coupling / mass within the step's limit
-        constexpr int most_steps = 1000;  // as of a law
+    if (mesh.dynamics == symplectic_dynamics.name) {
+        // As many steps h as the contact's damper needs: omega^2 + (2 ahead / h) (coupling / mass) <= (1.8 / h)^2.
+        constexpr int most_steps = 1000;  // as in energy_model_substeps()
         const auto stable = [&](int steps) {
             const double h = o.dt_s / steps;
             return mesh.largest_eigenvalue_1_s2 + 2 * contact_damping_s(o.dt_s, steps) / h * coupling_N_m * lightest <= std::pow(symplectic_dynamics.stable_omega_dt / h, 2);
@@ -108,7 +114,7 @@ void choose_dynamics(HapticMesh& mesh, const HapticOptions& o, double damping_ra
     const Eigen::VectorXd mean = mesh.theta_of_set.rowwise().mean();
     const double lowest = std::sqrt(smallest_eigenvalue(mesh.springs, mean));
     mesh.lowest_frequency_Hz = lowest / turn;
-    // a mesh that can move for nothing has no lowest mode: a hundredth of its highest stands in
+    // A mesh with zero-energy modes has no lowest frequency: a hundredth of its highest is taken instead.
     mesh.damping_1_s = 2 * damping_ratio * (lowest > 0 ? lowest : 0.01 * std::sqrt(bare));
 }
 
@@ -121,23 +127,23 @@ void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt
     const auto refuse = [&](double tissue_N_m, const char* when, double limit_N_m, auto whose) {
         const double most = map.force_scale * limit_N_m / (scale * tissue_N_m);
         if (!(most >= map.force_scale))
-            throw MismatchError(fmt::format("the {} mesh is up to {:.0f} N/m stiff to the device {}, at force-scale {:g}; {} {:.0f} N/m: {}", mesh.name, scale * tissue_N_m, when, map.force_scale, whose(),
-                                            limit_N_m, most >= 0.01 ? fmt::format("force-scale may be {:.2f} at most", std::floor(100 * most) / 100) : "no force-scale will do"));
+            throw MismatchError(fmt::format("the stiffness of the {} mesh at the device is up to {:.0f} N/m {}, at force-scale {:g}; {} {:.0f} N/m: {}", mesh.name, scale * tissue_N_m, when, map.force_scale, whose(),
+                                            limit_N_m, most >= 0.01 ? fmt::format("set force-scale to at most {:.2f}", std::floor(100 * most) / 100) : "no force-scale is small enough"));
     };
-    refuse(mesh.static_N_m, "at rest", device.stiffness_N_m, [] { return std::string("the device can show"); });
+    refuse(mesh.static_N_m, "at rest", device.stiffness_N_m, [] { return std::string("the device can render at most"); });
     const double period_s = std::max(dt_s, 1 / device.rate_Hz);
     if (device.mass_kg > 0)
-        refuse(mesh.contact_N_m, "at once", stable_stiffness_N_m(device, period_s, mesh.lead * dt_s / period_s),
-               [&] { return fmt::format("a device of {:g} kg and {:g} Ns/m, a force every {:g} s{}, is stable in any hand up to", device.mass_kg, device.damping_Ns_m, period_s,
+        refuse(mesh.contact_N_m, "instantaneously", stable_stiffness_N_m(device, period_s, mesh.lead * dt_s / period_s),
+               [&] { return fmt::format("a device of {:g} kg and {:g} Ns/m, with a force every {:g} s{}, is stable in any hand up to", device.mass_kg, device.damping_Ns_m, period_s,
                                        device.delay_s > 0 ? fmt::format(" and {:g} s late", device.delay_s) : ""); });
 }
 
 void check_options(const HapticOptions& o) {
     for (const SessionOption& option : session_options()) option.check(o);
-    if (!(o.dt_s <= o.safety.hold_s / 2)) throw MismatchError(fmt::format("dt must be at most half of hold, {:g} s, not {:g}: the device may let go of an older force", o.safety.hold_s / 2, o.dt_s));
+    if (!(o.dt_s <= o.safety.hold_s / 2)) throw MismatchError(fmt::format("dt must be at most half of hold, {:g} s, not {:g}: the device may release a force before the next one", o.safety.hold_s / 2, o.dt_s));
     Friction{o.friction};  // throws where static and kinetic friction contradict each other
-    if (!(o.stiffest >= 1)) throw MismatchError("a law may become stiffer by a factor of 1 or more");
-    if (!(o.safety.damping_max_Ns_m >= 0)) throw MismatchError("the most that the passivity controller damps must not be negative");
+    if (!(o.stiffest >= 1)) throw MismatchError("the largest factor of an adapted stiffness must be at least 1");
+    if (!(o.safety.damping_max_Ns_m >= 0)) throw MismatchError("the largest damping of the passivity controller must not be negative");
     if (!std::isfinite(o.place_m)) throw MismatchError("the position of the second mesh must be finite");
 }
 
@@ -179,16 +185,16 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
         add_array(mesh->law->relaxation().share);
         add_array(mesh->law->relaxation().contact_share);
     }
-    if (tissue.energy_law) {  // what contacts depend on beside patch_log
-        add_array(tissue.energy_law->disc.ground);
-        add_array(tissue.energy_law->disc.curved_range);
-        add_array(tissue.energy_law->disc.correction.value);
-        const double radii_m[] = {tissue.energy_law->disc_radius_m, model.tool.shape == ToolChoice::Shape::ball ? model.tool.radius_m : 0};
+    if (tissue.energy_model) {  // what contacts depend on besides patch.log_N_m
+        add_array(tissue.energy_model->disc.ground);
+        add_array(tissue.energy_model->disc.curved_range);
+        add_array(tissue.energy_model->disc.correction.value);
+        const double radii_m[] = {tissue.energy_model->disc_radius_m, model.tool.shape == ToolChoice::Shape::ball ? model.tool.radius_m : 0};
         add(radii_m, sizeof radii_m);
-        for (const std::string& term : tissue.energy_law->terms) add_array(term);
-        add_array(tissue.energy_law->coefficients);
-        add_array(tissue.energy_law->disc.sizes.radii_m);
-        for (const FacetTable& table : tissue.energy_law->disc.sizes.correction) add_array(table.value);
+        for (const std::string& term : tissue.energy_model->terms) add_array(term);
+        add_array(tissue.energy_model->coefficients);
+        add_array(tissue.energy_model->disc.sizes.radii_m);
+        for (const FacetTable& table : tissue.energy_model->disc.sizes.correction) add_array(table.value);
     }
     const std::uint64_t fingerprint = XXH3_64bits_digest(hash);
     XXH3_freeState(hash);
@@ -199,11 +205,11 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
 
 namespace {
 
-/// The tool that the options ask for, with its radius. Throws MismatchError where the model is not that of with_tool.
+/// The tool of the options, with its radius. Throws MismatchError where the model was not made for it (with_tool).
 ToolChoice tool_of(const TissueModel& model, ToolChoice asked) {
-    const double own_m = model.energy_law ? model.energy_law->disc_radius_m : 0, needed_m = asked.shape == ToolChoice::Shape::ball ? BallContact::half_in * asked.radius_m : asked.radius_m;
-    const bool is_ball = model.energy_law && model.energy_law->disc.ball_contact_m > 0;
-    if (is_ball != (asked.shape == ToolChoice::Shape::ball) || (!asked.is_default() && own_m != needed_m)) throw MismatchError(fmt::format("tool {}: the model is of a disc of {:g} m, and was not made for it", to_string(asked), own_m));
+    const double own_m = model.energy_model ? model.energy_model->disc_radius_m : 0, needed_m = asked.shape == ToolChoice::Shape::ball ? BallContact::half_in * asked.radius_m : asked.radius_m;
+    const bool is_ball = model.energy_model && model.energy_model->disc.ball_contact_m > 0;
+    if (is_ball != (asked.shape == ToolChoice::Shape::ball) || (!asked.is_default() && own_m != needed_m)) throw MismatchError(fmt::format("tool {}: the model has a disc of {:g} m and was not prepared for this tool", to_string(asked), own_m));
     if (asked.radius_m == 0) asked.radius_m = own_m;
     return asked;
 }
@@ -213,13 +219,15 @@ ToolChoice tool_of(const TissueModel& model, ToolChoice asked) {
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     : study(model.study), tool(tool_of(model, given.tool)), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
     check_options(given);
-    if (model.mesh.is_solid() && !model.energy_law) throw MismatchError("a model in space is an energy model; this one is not");
-    if (given.tools > 1 && (!model.energy_law || given.heuristic_mesh))
-        throw MismatchError(!model.energy_law ? "two tools press an energy model alone, and this one has spring sets" : "two tools press the learned mesh alone, without the heuristic mesh beside it");
+    if (model.mesh.is_solid() && !model.energy_model) throw MismatchError("a model in space must be an energy model; this one has spring sets");
+    if (given.tools > 1 && (!model.energy_model || given.heuristic_mesh))
+        throw MismatchError(!model.energy_model ? "two tools need an energy model, and this model has spring sets" : "two tools are not possible with the heuristic mesh: set heuristic to no");
+    grasps = model.energy_model && (!model.mesh.is_solid() || (model.energy_model->patch.curve == ContactCurve::compression && tool.shape == ToolChoice::Shape::disc));
+    if (!grasps && std::isfinite(given.grasp_max_N)) throw MismatchError("grasp-max: this model cannot grasp; one in space needs a disc, and a contact that was trained to be pulled (term contact.compression)");
     if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
     HapticOptions& o = options;
     const bool damping_asked = o.damping_ratio.has_value();
-    if (!o.damping_ratio) o.damping_ratio = !model.energy_law ? 0.05 : model.energy_law->relaxation.empty() ? elastic_law_damping_ratio : relaxing_damping_ratio;
+    if (!o.damping_ratio) o.damping_ratio = !model.energy_model ? 0.05 : model.energy_model->relaxation.empty() ? elastic_law_damping_ratio : relaxing_damping_ratio;
     if (!o.innovation) o.innovation = usual_innovation;
     if (!o.coupling_ratio) o.coupling_ratio = usual_coupling_ratio;
     o.map.fit(model.mesh.dimension());
@@ -229,11 +237,11 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     high_m = model.mesh.own_nodes().colwise().maxCoeff();
     if (o.place_m == 0) o.place_m = 1.5 * (high_m - low_m).x();
 
-    std::vector<int> first_set(static_cast<std::size_t>(model.mesh.facets.rows()), 0);  // the heuristic mesh has one
-    if (model.energy_law) {
+    std::vector<int> first_set(static_cast<std::size_t>(model.mesh.facets.rows()), 0);  // heuristic mesh: one set
+    if (model.energy_model) {
         if (!o.sets.empty()) throw MismatchError(fmt::format("spring sets '{}': an energy model has none", o.sets));
-        if (o.select_by != SelectBy::displacement) throw MismatchError("an energy model has no sets to select by force");
-        if (given.innovation) throw MismatchError("innovation: an energy model averages no sets");
+        if (o.select_by != SelectBy::displacement) throw MismatchError("select-by: an energy model has no spring sets to select by force");
+        if (given.innovation) throw MismatchError("innovation: an energy model has no spring sets to average");
         set_names.clear();
         meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension()), tool));
     } else {
@@ -247,18 +255,18 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     beside[0] = o.place_m;
     if (o.heuristic_mesh && is_solid())
         meshes.push_back(make_law_mesh("heuristic", untrained(model), beside, tool));
-    else if (o.heuristic_mesh)
-        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside, model.node_mass_kg));  // of the instantaneous E: it remembers nothing
+    else if (o.heuristic_mesh)  // of the instantaneous E, since spring sets do not relax
+        meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside, model.node_mass_kg));
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
     if (springs == meshes.end() && given.coupling_ratio) throw MismatchError("coupling: an energy model has its own contact, and without the heuristic mesh there are no spring sets");
-    if (o.energy_book && (!is_law() || model.energy_law->relaxation.empty())) throw MismatchError("energy-book: the model does not relax, and has no branches to book");
+    if (o.energy_book && (!is_energy_model() || model.energy_model->relaxation.empty())) throw MismatchError("energy-book: the model does not relax and has no Maxwell branches");
     if (springs != meshes.end())
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
     for (auto& mesh : meshes) {
         if (mesh->law)
             choose_law_dynamics(mesh->name == "learned" ? model : untrained(model), *mesh, o);
         else
-            choose_dynamics(*mesh, o, damping_asked || !model.energy_law ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
+            choose_dynamics(*mesh, o, damping_asked || !model.energy_model ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
         check_device(o.device, o.map, o.dt_s, *mesh);
     }
     fingerprint = fingerprint_of(*this, model);

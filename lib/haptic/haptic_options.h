@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -12,33 +13,45 @@
 
 namespace tissue {
 
-constexpr double longest_dt_s = 0.025;       ///< 40 Hz: half of what a device of C and Python holds a force for
-constexpr double slowest_period_s = 0.1;     ///< 10 Hz: of a host whose device holds a force for longer than that
+/// Longest dt, 40 Hz: half of the time for which a device in C or Python keeps a force by default.
+constexpr double longest_dt_s = 0.025;
+/// Longest time between ticks that a session follows, 10 Hz. The device must keep a force for longer than that.
+constexpr double slowest_period_s = 0.1;
 
+/// Options of a session. HapticModel refuses options that have no effect with its model.
 struct HapticOptions {
-    double dt_s = 1e-3;               ///< 1 kHz, the paper's rate; 1e-6 to longest_dt_s, and half of what the device holds a force for
-    std::optional<double> innovation = {};      ///< gamma of (19), of sets; nothing: 0.05, a new set takes over within about 60 ms
-    /// Of critical, at the lowest mode. Nothing: 0.05 for sets, the paper's "very small values"; 0.17 for a law, 5 1/s on the
-    /// tissue of `surface`, with which a press comes to rest in the time that a hand takes to notice; 0.01 for a law that relaxes, whose
-    /// branches damp (springs in the plane beside it keep 0.17): more makes quick pokes wrong (0.17: twice as wrong, of 0.1 s).
+    /// Period of a tick; 1 kHz is the paper's rate. From 1e-6 s to longest_dt_s, and at most half of safety.hold_s.
+    double dt_s = 1e-3;
+    /// Smoothing gain gamma of (19), for spring sets. Empty: 0.05, with which a new set takes over within about 60 ms.
+    std::optional<double> innovation = {};
+    /// Damping over critical damping, at the lowest mode. Empty:
+    ///   0.05 for spring sets: the paper's "very small values";
+    ///   0.17 for an energy model, 5 1/s in study `surface`: the tissue comes to rest before a hand notices;
+    ///   0.01 for one that relaxes, since its Maxwell branches damp. There 0.17 doubles the error of an indentation of
+    ///   0.1 s. Spring sets beside such a model, in the plane, keep 0.17.
     std::optional<double> damping_ratio = {};
-    std::optional<double> coupling_ratio = {};  ///< k_C over the contact's own stiffness, on a mesh of springs; nothing: 10, the tool sinks in by a tenth more
-    std::string dynamics = "auto";    ///< or a name of dynamics_kinds()
-    std::string sets;                 ///< of the learned mesh: an optimiser of the model, `optimum`; "" is its first. A law has none
+    /// k_C over the contact's own stiffness, for spring sets. Empty: 10, with which the tool goes a tenth deeper.
+    std::optional<double> coupling_ratio = {};
+    std::string dynamics = "auto";    ///< time integration: `auto` or a name of dynamics_kinds()
+    /// Spring sets of the learned mesh: an optimiser of the model, or `optimum`. "": the model's first. None for an
+    /// energy model.
+    std::string sets;
     bool heuristic_mesh = true;       ///< Sec. 4.4: a second mesh, Van Gelder's, beside the learned one
-    double stiffest = 1;              ///< of a law that learns while it plays: so many times as stiff as it is it may become
-    bool energy_book = false;         ///< of a law that relaxes: what its branches store and dissipate is booked; a step takes a little longer
-    double place_m = 0;               ///< where the second mesh stands along x; 0: one and a half widths to the right
+    double stiffest = 1;              ///< factor by which an energy model may become stiffer in the session
+    bool energy_book = false;         ///< energy log of the Maxwell branches; a step then takes a little longer
+    double place_m = 0;               ///< position of the second mesh along x [m]; 0: 1.5 widths of the tissue
     SelectBy select_by = SelectBy::displacement;
-    int tools = 1;                    ///< devices, each with a tool on the same tissue: 1, or 2 on a law without a mesh beside it
-    ToolChoice tool;                  ///< that a law in space plays with (with_tool of springs/law_at_radius.h makes the model)
-    FrictionOptions friction;                                            ///< of the tool on the tissue
-    SafetyOptions safety;             ///< its dt is taken from here
-    DeviceImpedance device;           ///< of the device that the force goes to
+    int tools = 1;                    ///< number of devices and tools; 2 only on an energy model without a second mesh
+    ToolChoice tool;                  ///< in space, on an energy model that with_tool (springs/energy_model_at_radius.h) made
+    double grasp_max_N = std::numeric_limits<double>::infinity();  ///< a grasp lets go above this force on the tissue
+    FrictionOptions friction;                                            ///< between tool and tissue
+    SafetyOptions safety;             ///< its dt_s is set from dt_s above
+    DeviceImpedance device;           ///< of the device that gets the force
     DeviceMap map;
 };
 
-/// What holds of these numbers whatever the model is: one set of checks for the programs, C and Python. Throws MismatchError, which names the option.
+/// Checks that do not depend on the model, for the programs, C and Python alike. Throws MismatchError, which names the
+/// option.
 void check_options(const HapticOptions& options);
 
 }  // namespace tissue

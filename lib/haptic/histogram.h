@@ -5,10 +5,11 @@
 
 namespace tissue {
 
-/// Counts of positive durations on a logarithmic scale, 1 % wide bins from 1 ns to about 20 minutes. add() does not
-/// allocate; percentiles are a bin's upper edge, the largest is exact.
+/// Histogram of positive durations on a logarithmic scale, with bins 1 % wide from 1 ns to about 20 minutes. add() does
+/// not allocate. A percentile is the upper edge of its bin; the maximum is exact.
 class Histogram {
    public:
+    /// us: duration [us].
     void add(double us) noexcept {
         ++count_;
         if (us > max_) max_ = us;
@@ -17,7 +18,7 @@ class Histogram {
         ++bins_[static_cast<std::size_t>(bin < last ? bin : last)];
     }
 
-    /// Smallest edge with at least `share` of all values below it [us]; 0 without values.
+    /// Smallest edge with at least the part `share` (0 to 1) of all values below it [us]; 0 without values.
     double percentile(double share) const noexcept {
         const double wanted = share * static_cast<double>(count_);
         double below = 0;

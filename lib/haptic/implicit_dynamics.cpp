@@ -11,11 +11,13 @@
 namespace tissue {
 namespace {
 
-/// Backward Euler, the coupling spring included:
-///   (A + dt (dt + ahead) k_C W W') v = M v_old - dt K u + dt W (f_given + k_C (x_m - x_p)),  A = M (1 + dt damping) + dt^2 K
-/// and u += dt v, W the contact's weights, ahead that of its damper. A is banded on a fixed pattern; the coupling, two or four entries off it,
-/// goes in by the formula of Sherman, Morrison and Woodbury. A geometric K is taken at the old positions with its
-/// buckling part left out, so A is always positive definite (one Newton step).
+/// Backward Euler, with the coupling spring included:
+///   (A + dt (dt + ahead) k_C W W') v = M v_old - dt K u + dt W (f_given + k_C (x_m - x_p)),
+///   A = M (1 + dt damping) + dt^2 K,   u += dt v,
+/// with W the weights of the contact and ahead its ContactLoad::ahead_s. A is banded with a fixed pattern. The coupling
+/// has two or four entries outside the pattern, and is added by the formula of Sherman, Morrison and Woodbury. Where K
+/// depends on u, it is taken at the old positions without its buckling part (one Newton step). So A is always positive
+/// definite.
 class ImplicitDynamics final : public Dynamics {
    public:
     ImplicitDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options)
@@ -30,7 +32,7 @@ class ImplicitDynamics final : public Dynamics {
         const double dt = o_.dt_s;
         const int D = numbering_.per_node;
 
-        // A, when K is not what it was
+        // factor A again where K may have changed
         if (s.theta_changed || !mesh_.law().linear_in_displacement() || !factored_) {
             A_.set_zero();
             for (int node = 0; node < mesh_.node_count(); ++node)
@@ -45,14 +47,14 @@ class ImplicitDynamics final : public Dynamics {
             }
         }
 
-        // v without the coupling
+        // v without the implicit part of the coupling, k_C W W'
         const Eigen::Vector2d pull = load.coupling_N_m * (load.later(load.master_m) - load.proxy(mesh_, s.displacement));
         mesh_.force(s.theta, s.displacement, s.force);
         for (int end : {0, 1})
             s.force.row(load.node[end]) -= load.weight[end] * (load.given_N + pull).transpose();
         solve_momentum(s);
 
-        // the coupling's own stiffness
+        // add that part
         Eigen::Vector2d slip = load.weight[0] * s.velocity.row(load.node[0]) + load.weight[1] * s.velocity.row(load.node[1]);
         if (load.coupling_N_m > 0) slip = add_coupling(s, load, slip);
         s.displacement += dt * s.velocity;

@@ -10,16 +10,16 @@
 namespace tissue {
 
 LatticeRows::LatticeRows(const SpringMesh& mesh) : count_(mesh.node_count()) {
-    constexpr double most_rows = 4;  // a node
+    constexpr double most_rows = 4;  // per node
     const int N = mesh.node_count(), own = mesh.embedding.node_count(), lattice = N - own;
     if (mesh.embedding.empty()) return;
     const NodeField place = ((mesh.nodes.bottomRows(lattice).rowwise() - mesh.nodes.bottomRows(lattice).colwise().minCoeff()) / mesh.embedding.spacing_m).array().round();
     const double width = place.col(0).maxCoeff() + 1, layer = width * (place.col(1).maxCoeff() + 1);
-    if (!(layer < 1e15)) return;  // beyond it whole numbers are not exact
+    if (!(layer < 1e15)) return;  // doubles hold whole numbers exactly up to here
 
-    // A layer's rows follow those of the one below: the offset to the next layer is one number a layer.
+    // The rows of a layer follow those of the layer below, so each layer has one offset to the next.
     struct Layer {
-        double low, high;  // of x + width y
+        double low, high;  // smallest and largest x + width y of its nodes
         double first = 0;  // row of x = y = 0
     };
     std::map<double, Layer> layers;
@@ -39,7 +39,7 @@ LatticeRows::LatticeRows(const SpringMesh& mesh) : count_(mesh.node_count()) {
     row_.assign(static_cast<std::size_t>(N), -1);
     for (int n = 0; n < lattice; ++n) {
         const int row = static_cast<int>(layers.at(place(n, 2)).first + place(n, 0) + width * place(n, 1));
-        if (taken[static_cast<std::size_t>(row)]) throw MismatchError(fmt::format("node {} of the lattice has the place of another", own + n));
+        if (taken[static_cast<std::size_t>(row)]) throw MismatchError(fmt::format("node {} of the lattice has the same place as another node", own + n));
         taken[static_cast<std::size_t>(row)] = true;
         row_[static_cast<std::size_t>(own + n)] = row;
         if (runs_.empty() || row != runs_.back().row + runs_.back().count)

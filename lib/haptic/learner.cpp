@@ -10,19 +10,19 @@
 #include <utility>
 
 #include "error.h"
-#include "haptic/realtime_law.h"
+#include "haptic/realtime_energy_model.h"
 
 namespace tissue {
 namespace {
 
-const RealtimeLaw& law_of(const HapticModel& model) {
-    if (!model.is_law()) throw MismatchError("only a law learns while it plays; the stiffness of this model is sets");
+const RealtimeEnergyModel& law_of(const HapticModel& model) {
+    if (!model.is_energy_model()) throw MismatchError("only an energy model can learn in a session; this model has spring sets");
     return *model.meshes.front()->law;
 }
 
-LawStiffness stiffness_of(const LawModel& law) { return {law.constants, law.patch, law.contact_log_scale}; }
+EnergyModelStiffness stiffness_of(const EnergyModel& law) { return {law.constants, law.patch, law.contact_log_scale}; }
 
-/// A number towards another by a part of itself at the most; true when it is there.
+/// Moves `now` towards `goal` by at most `most`. Returns true when it has reached the goal.
 bool step_towards(double& now, double goal, double most) noexcept {
     const double way = goal - now;
     if (std::abs(way) <= most) {
@@ -51,12 +51,12 @@ HapticOptions live_options(HapticOptions options, const Adaptation& adaptation) 
 Learner::Learner(const HapticModel& model, Adaptation& adaptation, const LearnerOptions& options)
     : model_(model), adaptation_(adaptation), options_(options), now_(law_of(model).stiffness()), readings_to_learn_(64),
       learned_({now_, 0}) {
-    if (model.tool.shape != ToolChoice::Shape::disc) throw MismatchError("a model learns under its own disc, not under a ball");
-    const LawModel law = adaptation.law();
+    if (model.tool.shape != ToolChoice::Shape::disc) throw MismatchError("a model learns only with its own disc, not with a ball");
+    const EnergyModel law = adaptation.law();
     if (law.constants.size() != now_.constants.size() || law.patch.log_N_m.rows() != now_.patch.log_N_m.rows())
-        throw MismatchError("what learns is not of the model that plays");
+        throw MismatchError("the adaptation belongs to a model other than the session's");
     if (adaptation.largest() > std::log(model.options.stiffest) + 1e-12)
-        throw MismatchError(fmt::format("unknowns up to {:g} may become stiffer than {:g} times, which the model's steps are for", adaptation.largest(), model.options.stiffest));
+        throw MismatchError(fmt::format("unknowns up to {:g} may exceed a stiffness factor of {:g}, up to which the session's time steps are stable", adaptation.largest(), model.options.stiffest));
     relaxes_ = !law.relaxation.empty();
     const Point nothing = Point::Zero(model.dimension());
     held_m_ = sum_measured_N_ = sum_model_N_ = sum_push_m_ = nothing;
@@ -66,7 +66,7 @@ Learner::Learner(const HapticModel& model, Adaptation& adaptation, const Learner
 
 Learner::~Learner() { stop(); }
 
-/// What plays now, to the tick.
+/// Passes the adapted energy model to the tick.
 void Learner::publish() {
     learned_.back() = {stiffness_of(adaptation_.law()), adaptation_.state().learned};
     learned_.publish();
@@ -81,8 +81,8 @@ bool Learner::before(Simulation& simulation) {
     if (learned_.fetch() || std::exchange(restores_, simulation.restores()) != simulation.restores()) arrived_ = false;
     moves_ = !arrived_;
     if (arrived_) return true;
-    RealtimeLaw& law = *simulation.law();
-    const LawStiffness& goal = learned_.front().stiffness;
+    RealtimeEnergyModel& law = *simulation.law();
+    const EnergyModelStiffness& goal = learned_.front().stiffness;
     now_ = law.stiffness();
     arrived_ = true;
     for (Eigen::Index c = 0; c < now_.constants.size(); ++c) arrived_ &= step_towards(now_.constants[c], goal.constants[c], options_.step * now_.constants[c]);
@@ -91,7 +91,7 @@ bool Learner::before(Simulation& simulation) {
     const auto patch_goal = goal.patch.log_N_m.reshaped();
     for (Eigen::Index i = 0; i < patch.size(); ++i) arrived_ &= step_towards(patch[i], patch_goal[i], options_.step);
     law.become(now_);
-    simulation.law_changed();
+    simulation.energy_model_changed();
     return true;
 }
 
@@ -102,7 +102,7 @@ void Learner::begin_hold() {
     sum_push_m_.setZero();
 }
 
-void Learner::after(const Simulation& simulation, const TickBooks& books) {
+void Learner::after(const Simulation& simulation, const TickStatistics& books) {
     const TickRecord& tick = simulation.record();
     const bool feels = tick.mesh == 0 && !tick.fault() && !tick.slipping && !simulation.held_back() && tick.measured_N.allFinite() && !books.left_out;
     const bool same = feels && tick.facet == facet_ && tick.weight == weight_ && (tick.contact_displacement_m - held_m_).norm() < options_.still_m;
@@ -115,18 +115,18 @@ void Learner::after(const Simulation& simulation, const TickBooks& books) {
         return;
     }
     if (taken_) return;
-    if (relaxes_ && moves_) {  // its force is of no one law
+    if (relaxes_ && moves_) {  // its force belongs to no single set of parameters
         begin_hold();
         return;
     }
     constexpr double rounding = 1 - 1e-9;
-    const double went_s = simulation.went_s();
-    held_s_ += went_s;
+    const double advanced_s = simulation.advanced_s();
+    held_s_ += advanced_s;
     if (held_s_ > options_.hold_s / 2) {
-        sum_measured_N_ += went_s * tick.measured_N;
-        sum_model_N_ -= went_s * tick.coupling_N;
-        sum_push_m_ += went_s * tick.contact_displacement_m;
-        summed_s_ += went_s;
+        sum_measured_N_ += advanced_s * tick.measured_N;
+        sum_model_N_ -= advanced_s * tick.coupling_N;
+        sum_push_m_ += advanced_s * tick.contact_displacement_m;
+        summed_s_ += advanced_s;
     }
     if (held_s_ < options_.hold_s * rounding) return;
     taken_ = true;
@@ -159,9 +159,10 @@ void Learner::learn() noexcept {
     }
 }
 
-/// A thread out of which anything is thrown ends the program, with the force on. What says so here allocates nothing: memory may have run out.
+/// Catches everything: an exception that leaves a thread ends the program with the force on. The message is stored
+/// without an allocation, since memory may have run out.
 void Learner::try_to_learn_from(const Reading& reading) noexcept {
-    const char* why = "what was thrown is not known";
+    const char* why = "an unknown exception was thrown";
     try {
         return learn_from(reading);
     } catch (const std::exception& e) {
@@ -174,21 +175,21 @@ void Learner::try_to_learn_from(const Reading& reading) noexcept {
 }
 
 void Learner::learn_from(const Reading& reading) {
-    Poke poke{reading.contact_m, reading.push_m, reading.measured_N};
+    ForceMeasurement poke{reading.contact_m, reading.push_m, reading.measured_N};
     if (relaxes_ && reading.learned != adaptation_.state().learned) {
         ++dropped_;
         return;
     }
     if (relaxes_ && reading.model_N.norm() > 0) try {
             const Expected now = adaptation_.expect(poke.contact_m, poke.push_m);
-            if (now.status == PressStatus::held) poke.force_N *= now.force_N.norm() / reading.model_N.norm();
-        } catch (const MismatchError&) {  // on what is held: learn() says so
+            if (now.status == SolverStatus::converged) poke.force_N *= now.force_N.norm() / reading.model_N.norm();
+        } catch (const MismatchError&) {  // contact on fixed nodes: Adaptation::learn() refuses it
         }
     Adaptation::State before = adaptation_.state();
-    PokeAnswer answer;
+    UpdateResult answer;
     try {
         answer = adaptation_.learn(poke);
-        if (answer.status == PokeStatus::learned) publish();
+        if (answer.status == UpdateStatus::learned) publish();
     } catch (...) {
         adaptation_.restore(std::move(before));
         throw;

@@ -15,76 +15,93 @@
 
 namespace tissue {
 
-/// What a model.h5 knows, to learn on while it plays: contacts are at least 1 mm unsure, for tissue swings as it is touched and the model's contact is
-/// not quite where the hand's is; unknowns stay below live_bound, or below what the file has learned already. Both are of the session, whatever the
-/// file has learned with, and are written into none (Adaptation::in_session). Throws as read_adaptation.
+/// Reads the adaptation in a model.h5, to continue it during a session. Two limits hold for the session only, and are
+/// not written to files (Adaptation::in_session). First, the error of a contact's place is at least live_place_error_m:
+/// the tissue oscillates while it is touched, and the model's contact is not exactly where the hand's is. Second, the
+/// unknowns stay below live_bound, or below the largest one in the file if that is larger. Throws as read_adaptation.
 std::unique_ptr<Adaptation> live_adaptation(const std::string& file);
-constexpr double live_bound = 1.5;            ///< of log stiffness: 4.5 times as stiff
-constexpr double live_place_error_m = 1e-3;
+constexpr double live_bound = 1.5;            ///< of |log stiffness|: 4.5 times as stiff
+constexpr double live_place_error_m = 1e-3;   ///< standard deviation along the surface
 
-/// A session's options for it: steps that bear what it may become, and no heuristic mesh, which does not learn and would fold under a stiffer tissue's force.
+/// Options for a session with adaptation. `stiffest` is set to what the adaptation allows, so that the steps stay
+/// stable. The heuristic mesh is off: it does not adapt, and would fold under the force of a stiffer tissue.
 HapticOptions live_options(HapticOptions options, const Adaptation& adaptation);
 
 struct LearnerOptions {
-    double hold_s = 0.8;     ///< a hand that was still while the tissue went through so much time gives a reading, the mean of the second half: a swing of soft tissue
-    double still_m = 2e-4;   ///< and still means within this
-    double step = 0.002;     ///< every stiffness goes a tick at the most by this part of itself towards what was learned
-    double patience_s = 10;  ///< at the end, for readings that are not learned yet: in space each takes a second or more, and up to 64 may wait
+    /// Time of the tissue for which the hand must be still to give a measurement. The measurement is the mean over the
+    /// second half, which is about one period of soft tissue.
+    double hold_s = 0.8;
+    double still_m = 2e-4;   ///< largest change of the tool displacement of a hand that counts as still
+    double step = 0.002;     ///< largest relative change of each stiffness in a tick, towards the adapted one
+    /// Longest time that stop() waits for measurements in the queue. In space each takes a second or more, and up to 64
+    /// may wait.
+    double patience_s = 10;
 };
 
-/// A law that learns while it plays, from a hand with a force sensor (DeviceSample::measured_N): whenever the hand holds still in the tissue
-/// what it feels becomes a poke, a thread of its own learns from it (adapt/adaptation.h), and the tick's law goes there step by step, so that
-/// in no tick force changes by more than `step` of it. Neither waits for the other; where ticks have no clock (TickBooks::clock) a reading is learned before the next tick,
-/// so that what is learned does not depend on how fast the machine is. Of a law that relaxes the reading is taken as the
-/// adaptation wants it, once all has relaxed or at once: times the law's static force of that kind over what it has in this tick. That
-/// holds of a hand that holds still while the law is one and the same, and of the law that is still the one that learns: another reading is dropped.
+/// Adapts an energy model during a session, from the measurements of a force sensor in the tool
+/// (DeviceSample::measured_N).
 ///
-/// What goes to the hand is bounded by Safety's slew and its own book whatever becomes of the law. HapticOptions::stiffest says how stiff
-/// it may become; unknowns are kept below its logarithm.
+/// A measurement is taken whenever the hand keeps still in the tissue. A thread of the learner adapts the model to it
+/// (adapt/adaptation.h). The energy model in the tick then follows in small steps, so that the force changes by at most
+/// the part `step` in a tick. With a clock neither thread waits for the other. Without one (TickStatistics::clock is false)
+/// the next tick waits for the adaptation, so that the result does not depend on the speed of the machine.
 ///
-/// Where learning fails (memory runs out, whoever hears its lines throws) it ends and the session goes on: the tick plays the last law that was
-/// learned whole, the adaptation is that law, later readings are dropped, and failure() says why. A force that goes to zero because a disk is full
-/// would be the greater surprise, and no tick depends on the learner.
+/// For a model that relaxes, the measured force is converted to the static force that the adaptation expects: long-term
+/// or instantaneous (AdaptOptions::at_rest). It is multiplied by the model's static force of that kind over the model's
+/// force in the session. This needs a model that does not change during the measurement, and that has adapted to
+/// nothing else since; other measurements are dropped.
+///
+/// The slew and the energy bound of Safety limit the force on the hand, whatever the model becomes. The unknowns are
+/// kept below log(HapticOptions::stiffest), for which the steps are stable.
+///
+/// When an adaptation fails (out of memory, or a callback throws), adaptation ends and the session goes on. The tick
+/// keeps the last complete energy model, and the adaptation is reset to it. Later measurements are dropped, and
+/// failure() gives the cause. A force that drops to zero, for instance because a disk is full, would be worse; no tick
+/// needs the learner.
 class Learner final : public TickHook {
    public:
-    /// model: of the one simulation that plays under it; it and the adaptation outlive this. Throws MismatchError where adaptation is
-    /// of another mesh or may become stiffer than the model's steps bear.
+    /// model: that of the one simulation that the learner is a hook of. It and the adaptation must outlive the learner.
+    /// Throws MismatchError where the model is no energy model, its tool is not a disc, the adaptation is of another
+    /// mesh, or it may become stiffer than the model's steps allow.
     Learner(const HapticModel& model, Adaptation& adaptation, const LearnerOptions& options = {});
     ~Learner() override;
 
     bool before(Simulation& simulation) override;
-    void after(const Simulation& simulation, const TickBooks& books) override;
+    void after(const Simulation& simulation, const TickStatistics& books) override;
 
-    /// What became of a poke that the hand gave.
+    /// A measurement in the session and its result.
     struct Line {
-        double time_s;       ///< of the session
-        Poke poke;
-        PokeAnswer answer;
+        double time_s;       ///< session time of the measurement
+        ForceMeasurement poke;
+        UpdateResult answer;
     };
-    /// Called in the learner's thread, one at a time, after each; failed: once, where learning has ended, with what failed; must not throw. Set before the session.
+    /// Sets callbacks, before the session. Both run in the learner's thread and get `with`. tell: called after each
+    /// measurement that was not dropped. failed: called once with the cause when adaptation has failed; must not throw.
     void on_line(void (*tell)(const Line&, const Adaptation&, void*), void* with, void (*failed)(const char*, void*) = nullptr) {
         tell_ = tell, with_ = with, failed_ = failed;
     }
 
-    /// Waits until all that was read is learned, or until the patience is at its end and the rest is dropped; ends the thread. Then the adaptation is
-    /// the caller's again.
+    /// Waits until the queue is empty and ends the thread. From patience_s on, measurements in the queue are dropped.
+    /// After this call the caller may use the adaptation again.
     void stop();
 
-    /// Why learning has ended before its time; "" where it has not. After stop().
+    /// Cause of a failed adaptation, "" without a failure. To be called after stop().
     const char* failure() const { return failure_.data(); }
-    long long readings() const { return readings_.load(); }
-    long long dropped() const { return dropped_.load(); }      ///< readings that came faster than they were learned, or too late to be, or of a law that relaxes and has changed since
-    bool arrived() const { return arrived_; }                  ///< whether the tick's law is all that has been published
+    long long readings() const { return readings_.load(); }    ///< number of measurements
+    /// Number of measurements that were not used: the queue was full, patience_s was over, adaptation had failed, or a
+    /// model that relaxes had changed since.
+    long long dropped() const { return dropped_.load(); }
+    bool arrived() const { return arrived_; }                  ///< the tick's model equals the one published last
 
    private:
     struct Reading {
         double time_s = 0;
         Point contact_m, push_m, measured_N, model_N;
-        int learned = 0;           ///< readings that the law has learned under which it was taken
+        int learned = 0;           ///< number of measurements in the model under which it was taken
     };
     struct Goal {
-        LawStiffness stiffness;
-        int learned = 0;           ///< readings that are in it
+        EnergyModelStiffness stiffness;
+        int learned = 0;           ///< number of measurements in it
     };
     void publish();
     void begin_hold();
@@ -95,24 +112,24 @@ class Learner final : public TickHook {
     const HapticModel& model_;
     Adaptation& adaptation_;
     LearnerOptions options_;
-    // the tick's
-    LawStiffness now_;
+    // used by the tick
+    EnergyModelStiffness now_;
     bool arrived_ = true;
-    int restores_ = 0;  ///< of the session, that it has seen: the law may be an older one
-    bool relaxes_ = false, moves_ = false;     ///< the law: over time; in this tick, by what was learned
+    int restores_ = 0;  ///< Simulation::restores() seen last; a restored session may have an older energy model
+    bool relaxes_ = false, moves_ = false;     ///< the energy model has Maxwell branches; it changes in this tick
     int facet_ = -1;
     Eigen::Vector3d weight_ = Eigen::Vector3d::Zero();
     Point held_m_;
     Point sum_measured_N_, sum_model_N_, sum_push_m_;
-    double held_s_ = 0, summed_s_ = 0;  ///< of the tissue's time, which counts where ticks are missed, too
-    long long pushed_ = 0;
-    bool taken_ = false;
-    // between the two
+    double held_s_ = 0, summed_s_ = 0;  ///< time of the tissue, which is right after missed ticks too
+    long long pushed_ = 0;              ///< measurements put into the queue
+    bool taken_ = false;                ///< this hold has given its measurement
+    // shared by both threads
     SpscRing<Reading> readings_to_learn_;
     Latest<Goal> learned_;
-    std::atomic<long long> readings_{0}, dropped_{0}, done_{0};  ///< done: of those pushed
+    std::atomic<long long> readings_{0}, dropped_{0}, done_{0};  ///< done: taken from the queue and finished
     std::atomic<bool> stop_{false};
-    // the thread's
+    // used by the learner's thread
     void (*tell_)(const Line&, const Adaptation&, void*) = nullptr;
     void* with_ = nullptr;
     void (*failed_)(const char*, void*) = nullptr;

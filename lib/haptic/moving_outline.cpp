@@ -10,6 +10,7 @@
 namespace tissue {
 namespace kernel {
 
+/// 1 where a ray from p along +x crosses an odd number of segments, else 0.
 TISSUE_HOT int odd_crossings(int n, const double* __restrict x, const double* __restrict y, double px, double py) {
     int crossings = 0;
     for (int b = 0; b < n; ++b) {
@@ -21,7 +22,7 @@ TISSUE_HOT int odd_crossings(int n, const double* __restrict x, const double* __
     return crossings & 1;
 }
 
-/// How many boxes from `first` on touch box a.
+/// Number of boxes from `first` on that touch box a.
 TISSUE_HOT int overlaps(int first, int n, const double* __restrict low_x, const double* __restrict high_x,
                         const double* __restrict low_y, const double* __restrict high_y, int a) {
     const double lx = low_x[a], hx = high_x[a], ly = low_y[a], hy = high_y[a];
@@ -51,7 +52,7 @@ MovingOutline::MovingOutline(int segments)
       high_x_(low_x_), low_y_(low_x_), high_y_(low_x_) {}
 
 MovingOutline::MovingOutline(const SpringMesh& mesh) : MovingOutline(static_cast<int>(mesh.facets.rows())) {
-    if (mesh.is_solid()) throw MismatchError("an outline is of a mesh in the plane");
+    if (mesh.is_solid()) throw MismatchError("an outline needs a mesh in the plane");
     nodes_ = mesh.loop();
     move(Point::Zero(2), mesh.nodes, NodeColumns::Zero(mesh.node_count(), 2));
 }
@@ -110,7 +111,7 @@ std::optional<SurfacePlace> MovingOutline::first_crossing(const Point& from, con
         if (low_x_[s] > high_x || high_x_[s] < low_x || low_y_[s] > high_y || high_y_[s] < low_y) continue;
         const Eigen::Vector2d start = node(b), along = node(b + 1) - start;
         const double denominator = cross(way, along);
-        if (denominator == 0) continue;  // parallel: the neighbours answer
+        if (denominator == 0) continue;  // parallel: the crossing is found on a neighbour
         const double t = cross(start - p, along) / denominator, w = cross(start - p, way) / denominator;
         if (!(t >= 0 && t <= 1 && w >= 0 && w <= 1)) continue;
         const Eigen::Vector2d point = at(b, w);
@@ -123,7 +124,7 @@ std::optional<SurfacePlace> MovingOutline::first_crossing(const Point& from, con
 bool MovingOutline::crosses(int a, int b) const noexcept {
     const Eigen::Vector2d a0 = node(a), a1 = node(a + 1), b0 = node(b), b1 = node(b + 1);
     if (b == a + 1 || (a == 0 && b == count_ - 1)) {
-        // neighbours share a node; they touch elsewhere only when one folds back on the other
+        // neighbours share a node; they touch elsewhere only when one is folded back on the other
         const Eigen::Vector2d joint = b == a + 1 ? a1 : a0, one = b == a + 1 ? a0 : a1, other = b == a + 1 ? b1 : b0;
         return cross(one - joint, other - joint) == 0 && (one - joint).dot(other - joint) >= 0;
     }
@@ -134,9 +135,9 @@ bool MovingOutline::crosses(int a, int b) const noexcept {
 bool MovingOutline::simple() noexcept {
     double area = 0;
     for (int b = 0; b < count_; ++b) area += cross(node(b) - node(0), node(b + 1) - node(0));
-    if (!(area > 0)) return false;  // turned inside out
+    if (!(area > 0)) return false;  // clockwise: inverted
     for (int a = 0; a + 1 < count_; ++a) {
-        // the next neighbour's box always touches; the last one's touches the first's
+        // the box of the next segment always touches; that of the last segment touches the first
         const int touching =
             kernel::overlaps(a + 1, count_, low_x_.data(), high_x_.data(), low_y_.data(), high_y_.data(), a);
         if (touching <= (a == 0 ? 2 : 1)) {

@@ -9,11 +9,11 @@ namespace tissue {
 /// The closed outline of a mesh in the plane, counter-clockwise.
 class MovingOutline final : public MovingSurface {
    public:
-    explicit MovingOutline(int segments);                ///< places to be set; move() is not for it
-    explicit MovingOutline(const SpringMesh& mesh);      ///< Throws MismatchError in space.
+    explicit MovingOutline(int segments);                ///< nodes are placed by set(); move() has no effect
+    explicit MovingOutline(const SpringMesh& mesh);      ///< at rest; throws MismatchError for a solid mesh
 
     int segments() const { return count_; }
-    /// Position of outline node b; refresh() after the last one.
+    /// Sets the position of outline node b [m]. refresh() must follow the last one.
     void set(int b, const Eigen::Vector2d& position_m) noexcept {
         x_[static_cast<std::size_t>(b)] = position_m.x();
         y_[static_cast<std::size_t>(b)] = position_m.y();
@@ -24,21 +24,22 @@ class MovingOutline final : public MovingSurface {
     Eigen::Vector2d at(int segment, double w) const noexcept { return (1 - w) * node(segment) + w * node(segment + 1); }
     Point at(int segment, const Eigen::Vector3d& weight) const noexcept override { return at(segment, weight[1]); }
 
-    /// True where an odd number of segments lies to the right.
+    /// True where a ray to the right (along +x) crosses an odd number of segments.
     bool contains(const Point& p) const noexcept override;
     SurfacePlace nearest(const Point& p) const noexcept override;
     std::optional<SurfacePlace> first_crossing(const Point& p, const Point& m) const noexcept override;
 
-    /// Whether no two segments cross or touch but neighbours at their common node.
+    /// True when the outline is counter-clockwise (positive area), and no two segments cross or touch, except for
+    /// neighbours at their common node.
     bool simple() noexcept override;
 
    private:
     bool crosses(int a, int b) const noexcept;
 
-    std::vector<int> nodes_;                             ///< of the mesh, in order (M)
+    std::vector<int> nodes_;                             ///< nodes of the mesh, in order (M)
     int count_;
-    std::vector<double> x_, y_;                          ///< nodes, the first again at the end (M + 1)
-    std::vector<double> low_x_, high_x_, low_y_, high_y_;  ///< boxes of the segments (M)
+    std::vector<double> x_, y_;                          ///< node positions, the first again at the end [m] (M + 1)
+    std::vector<double> low_x_, high_x_, low_y_, high_y_;  ///< bounding boxes of the segments [m] (M)
 };
 
 }  // namespace tissue

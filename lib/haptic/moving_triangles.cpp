@@ -14,7 +14,7 @@
 namespace tissue {
 namespace kernel {
 
-/// Boxes of some groups of nodes: x four numbers a node, box eight.
+/// Bounding boxes of groups of nodes. x: four numbers a node. box: eight numbers a group.
 TISSUE_HOT void boxes_of(std::size_t groups, const int* __restrict begin, const int* __restrict nodes, const double* __restrict x, double* __restrict box) {
     for (std::size_t g = 0; g < groups; ++g) {
         double low[4], high[4];
@@ -30,7 +30,7 @@ TISSUE_HOT void boxes_of(std::size_t groups, const int* __restrict begin, const 
     }
 }
 
-/// Boxes 1 to count - 1 of a tree whose box i holds 2 i and 2 i + 1.
+/// Boxes 1 to count - 1 of a tree whose box i contains the boxes 2 i and 2 i + 1.
 TISSUE_HOT void boxes_above(std::size_t count, double* box) {
     for (std::size_t b = count - 1; b > 0; --b) {
         const double *one = box + 16 * b, *other = one + 8;
@@ -40,8 +40,8 @@ TISSUE_HOT void boxes_above(std::size_t count, double* box) {
     }
 }
 
-/// Six times the volume within triangles: what flows out through them of a field along z that grows with it. From their first node
-/// on, so that little is rounded of a surface far away.
+/// Six times the volume inside the triangles: the outward flux of the field (0, 0, z), by the divergence theorem.
+/// Coordinates are relative to nodes of the surface, which keeps the rounding error small far from the origin.
 TISSUE_HOT double six_volumes(int count, const int* __restrict i, const int* __restrict j, const int* __restrict k, const double* __restrict x) {
     double sum = 0;
     const double from = 3 * x[2];
@@ -58,13 +58,14 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t most_in_leaf = 4;
-constexpr int deepest = 64;            // of the stack: the tree's depth is a logarithm
-constexpr int least_looked_at = 6, ticks_of_a_round = 256;
-constexpr double on_surface_m = 1e-14;  // what is rounded of a place that lies on the surface
-constexpr double on_edge = 1e-9;         // what is rounded of a triangle's part, as part of its area
+constexpr int deepest = 64;            // of the stack: the tree's depth is logarithmic
+constexpr int least_looked_at = 6, ticks_of_a_round = 256;  // triangles checked in a call at least; calls at most
+constexpr double on_surface_m = 1e-14;  // rounding error of a position on the surface
+constexpr double on_edge = 1e-9;         // rounding error of the area of a part of a triangle, over the triangle's
 constexpr double folded = 5e-9;         // 1 - cos of 1e-4 rad
 
-/// Point of a triangle nearest to p, as weights (Ericson, Real-Time Collision Detection, 5.1.5: by the regions of its features).
+/// Weights of the point of a triangle nearest to p, by the Voronoi regions of its features (Ericson, Real-Time
+/// Collision Detection, 5.1.5).
 Eigen::Vector3d nearest_weights(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
     const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
     const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
@@ -92,7 +93,8 @@ Eigen::Vector3d nearest_weights(const Eigen::Vector3d& p, const Eigen::Vector3d&
 
 }  // namespace
 
-/// A line through `from`, seen along itself: x, y across, z along it, in units of the axis that it follows most.
+/// A line through `from`, and coordinates in which it is the z axis. z is measured along the coordinate axis `az` to
+/// which the line is closest; x and y are the distances from the line along the axes `ax` and `ay`.
 struct MovingTriangles::Line {
     int ax, ay, az;
     double from[3], slope_x, slope_y;
@@ -114,7 +116,7 @@ struct MovingTriangles::Line {
 };
 
 MovingTriangles::MovingTriangles(const SpringMesh& mesh) {
-    if (!mesh.is_solid()) throw MismatchError("triangles are of a mesh in space");
+    if (!mesh.is_solid()) throw MismatchError("a surface of triangles needs a mesh in space");
     const auto count = static_cast<std::size_t>(mesh.facets.rows());
     std::map<std::array<int, 2>, int> sides;
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f)
@@ -167,7 +169,7 @@ MovingTriangles::MovingTriangles(const SpringMesh& mesh) {
     for (int t = 0; t < triangles(); ++t) look_at(t);
 }
 
-/// Orders the triangles of some leaves, half and half along the axis where they lie farthest apart.
+/// Orders the triangles of some leaves: splits them in halves along the axis of their largest extent, recursively.
 void MovingTriangles::divide(std::vector<int>& order, const std::vector<Eigen::Vector3d>& middles, std::size_t leaf, std::size_t leaves) {
     if (leaves == 1) return;
     const int first = first_of(leaf), middle = first_of(leaf + leaves / 2), last = first_of(leaf + leaves);
@@ -205,8 +207,9 @@ Point MovingTriangles::at(int facet, const Eigen::Vector3d& weight) const noexce
     return weight[0] * place(c[0]) + weight[1] * place(c[1]) + weight[2] * place(c[2]);
 }
 
-/// Whether a line goes through a triangle, and where. Two edges of it, or none, begin on one side of the line's x axis and end on
-/// the other; where they cut that axis depends on the edge alone, taken from its lower node: an edge's two triangles see the same.
+/// Whether a line goes through a triangle, and where. Either two edges of the triangle or none cross the line's plane
+/// y = 0. The x of such a cut is computed from the edge alone, beginning at its lower node, so that both triangles of
+/// the edge get the same value.
 bool MovingTriangles::crossed_by(const Line& line, int triangle, Crossing& crossing) const noexcept {
     const Corners& c = corners_[static_cast<std::size_t>(triangle)];
     const Eigen::Vector3d seen[3] = {line.seen(node(c[0])), line.seen(node(c[1])), line.seen(node(c[2]))};
@@ -308,7 +311,7 @@ std::optional<SurfacePlace> MovingTriangles::first_crossing(const Point& from, c
     const double length = way.norm();
     if (!(length > 0)) return {};
     const Line line(p, way);
-    // boxes are met as the line's parts, x = p + t way, with what is rounded to spare
+    // slab test of the boxes on x = p + t way, enlarged by rounding errors
     Eigen::Vector3d per_way;
     for (int axis = 0; axis < 3; ++axis) per_way[axis] = 1 / way[axis];
     const double spare = on_surface_m / length;
@@ -343,7 +346,7 @@ std::optional<SurfacePlace> MovingTriangles::first_crossing(const Point& from, c
             const double part = crossing.along / way[line.az];
             if (!(part >= -spare && part <= first_t)) continue;
             const Corners& c = corners_[static_cast<std::size_t>(t)];
-            // a way that begins on the surface and leads out does not cross it there
+            // a path that begins on the surface and leads out does not cross it there
             if (part <= spare && (place(c[1]) - place(c[0])).cross(place(c[2]) - place(c[0])).dot(way) >= 0) continue;
             if (found && part == first_t) continue;
             found = true;
@@ -358,14 +361,14 @@ std::optional<SurfacePlace> MovingTriangles::first_crossing(const Point& from, c
     return best;
 }
 
-/// One triangle that others are held against.
+/// A triangle against which others are tested, with its normal.
 struct MovingTriangles::Plane {
     const Corners& nodes;
     Eigen::Vector3d corner[3], normal;
 };
 
-/// Whether two triangles have more in common than the nodes they share. Two that lie in one plane and share at most a node do not
-/// count: a third then crosses one of them, or they lie side by side as at rest.
+/// Whether two triangles intersect in more than the nodes that they share. Two triangles in one plane that share at
+/// most one node do not count: either a third triangle crosses one of them, or they lie side by side as at rest.
 bool MovingTriangles::meet(const Plane& a, int triangle) const noexcept {
     const Corners& nodes = corners_[static_cast<std::size_t>(triangle)];
     const Eigen::Vector3d b[3] = {place(nodes[0]), place(nodes[1]), place(nodes[2])};
@@ -386,7 +389,7 @@ bool MovingTriangles::meet(const Plane& a, int triangle) const noexcept {
         if (cosine > 0) return false;
         return !(cosine > (folded - 1) * std::sqrt(a.normal.squaredNorm() * normal.squaredNorm()));
     }
-    // corners that both have lie in both planes, whatever is rounded
+    // shared corners lie in both planes exactly, without rounding
     const auto parted = [](const Eigen::Vector3d& normal, const Eigen::Vector3d& on, const Eigen::Vector3d (&corner)[3], const bool (&on_it)[3],
                            double (&side)[3]) {
         for (int k = 0; k < 3; ++k) side[k] = on_it[k] ? 0 : normal.dot(corner[k] - on);
@@ -396,7 +399,7 @@ bool MovingTriangles::meet(const Plane& a, int triangle) const noexcept {
     if (!parted(a.normal, a.corner[0], b, in_b, side_b)) return false;
     const Eigen::Vector3d normal = (b[1] - b[0]).cross(b[2] - b[0]);
     if (!parted(normal, b[0], a.corner, in_a, side_a)) return false;
-    // an edge of one goes through the other, or through an edge of it
+    // an edge of one triangle goes through the other, or through one of its edges
     const auto pierces = [](const Eigen::Vector3d (&edge_of)[3], const double (&side)[3], const Eigen::Vector3d (&through)[3],
                             const Eigen::Vector3d& across) {
         for (int k = 0; k < 3; ++k) {
@@ -412,7 +415,7 @@ bool MovingTriangles::meet(const Plane& a, int triangle) const noexcept {
     return pierces(a.corner, side_a, b, normal) || pierces(b, side_b, a.corner, a.normal);
 }
 
-/// Of a pair it is the earlier one that is looked at.
+/// Whether a triangle intersects one with a larger number. So each pair is checked once, at its earlier triangle.
 bool MovingTriangles::meets_a_later_one(int triangle) const noexcept {
     const Corners& c = corners_[static_cast<std::size_t>(triangle)];
     Plane own{c, {place(c[0]), place(c[1]), place(c[2])}, {}};
@@ -420,7 +423,7 @@ bool MovingTriangles::meets_a_later_one(int triangle) const noexcept {
     const Eigen::Vector3d low = own.corner[0].cwiseMin(own.corner[1]).cwiseMin(own.corner[2]);
     const Eigen::Vector3d high = own.corner[0].cwiseMax(own.corner[1]).cwiseMax(own.corner[2]);
     struct Waiting {
-        std::size_t box, leaves, end;  ///< how many leaves, and what is behind the last
+        std::size_t box, leaves, end;  ///< leaves: their number in the box; end: the index after the last one
     } stack[deepest];
     stack[0] = {1, leaves_, leaves_};
     int waiting = 1;
@@ -443,6 +446,7 @@ bool MovingTriangles::meets_a_later_one(int triangle) const noexcept {
     return false;
 }
 
+/// Checks a triangle and updates the count of those that intersect a later one.
 void MovingTriangles::look_at(int triangle) noexcept {
     const bool crossed = meets_a_later_one(triangle);
     char& known = crossed_[static_cast<std::size_t>(triangle)];

@@ -7,18 +7,23 @@
 
 namespace tissue {
 
-/// A Touch or PHANTOM by the vendor's OpenHaptics library (libHD.so), which is loaded when the device is made: no SDK is
-/// needed to build, and none of its text is in here. The vendor's servo thread calls back about 1000 times a second;
-/// the callback swaps position and force with our tick through atomics, waits for nothing, and puts out zero force when
-/// the newest one is three quarters of force_held_s old: up to 2.5 ms may go by until it is called again.
-/// The force that answers a position goes out in the next callback: positions are as old as that when they are used, and DeviceImpedance::delay_s says so to whoever judges a tissue.
-/// The vendor works in millimetres; its x goes right, y up, z to the user.
+/// A Touch or PHANTOM, driven through the vendor's OpenHaptics library (libHD.so). The library is loaded when the
+/// device is made: building needs no SDK, and this file contains none of the SDK's text.
+///
+/// The vendor's servo thread calls servo() about 1000 times a second. The callback exchanges position and force with
+/// the tick through atomics and never waits. It outputs zero force when the newest force is older than three quarters
+/// of force_held_s, since up to 2.5 ms may pass until the next call.
+///
+/// The force for a position goes out in the callback after it. read() adds this delay to the age of a position. The
+/// check of a tissue's stiffness gets it as DeviceImpedance::delay_s.
+///
+/// The vendor's library works in millimetres; its x axis points right, y up, z towards the user.
 class OpenHapticsDevice final : public Device {
    public:
     static const DeviceKind kind;
 
-    /// library: "" looks for libHD.so where the system looks. device: the vendor's configured name, "" its default.
-    /// Throws DeviceError that says what is missing.
+    /// library: path of libHD.so; "": the system's search path. device: name in the vendor's configuration; "": its
+    /// default device. Throws DeviceError, which states what is missing.
     explicit OpenHapticsDevice(const std::string& library = "", const std::string& device = "");
     ~OpenHapticsDevice() override;
     OpenHapticsDevice(const OpenHapticsDevice&) = delete;
@@ -36,17 +41,18 @@ class OpenHapticsDevice final : public Device {
     static unsigned servo(void* self) noexcept;
 
     template <int Size>
-    struct Exchange;  ///< one writer, one reader, neither waits
+    struct Exchange;  ///< for one writer and one reader, of which neither waits
 
     Library* library_;
-    Exchange<3>* position_;
+    Exchange<4>* position_;  ///< three axes [m], and 1 while the first button is down
     Exchange<3>* force_;
     std::atomic<unsigned long> servo_ticks_{0};
-    std::atomic<long long> written_ns_{0};                      ///< when the newest force came
+    std::atomic<long long> written_ns_{0};                      ///< time of the newest force; 0: none since start()
     std::atomic<int> vendor_error_{0};
-    std::atomic<long> cut_off_{0};
-    unsigned long seen_by_tick_ = 0;                            ///< tick's own
-    double seen_at_s_ = 0;
+    std::atomic<long> cut_off_{0};                              ///< callbacks that found the newest force too old
+    /// servo_ticks_ at the newest position that read() found
+    unsigned long seen_by_tick_ = 0;
+    double seen_at_s_ = 0;                                      ///< schedule time of that read()
     bool started_ = false;
 };
 

@@ -5,8 +5,9 @@
 namespace tissue {
 namespace {
 
-/// (13)-(15) with the missing dt put in:
-///   a_t = M^-1 (f - K u_{t-1} - B v_{t-1}),  v_t = v_{t-1} + dt (a_{t-1} + a_t) / 2,  x_t = x_{t-1} + dt (v_{t-1} + v_t) / 2
+/// (13)-(15) of the paper, with the dt that is missing there:
+///   a_t = M^-1 (f - K u_{t-1} - B v_{t-1}),  v_t = v_{t-1} + dt (a_{t-1} + a_t) / 2,  x_t = x_{t-1} + dt (v_{t-1} +
+///   v_t) / 2
 class PaperDynamics final : public Dynamics {
    public:
     PaperDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) : mesh_(mesh), o_(options) {}

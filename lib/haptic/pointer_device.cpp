@@ -7,9 +7,10 @@
 namespace tissue {
 namespace {
 
-constexpr double longest_s = 0.01;   ///< that one step covers: after a pause the point goes on, it does not leap
+constexpr double longest_s = 0.01;   ///< longest step [s]: after a pause the point continues instead of jumping
 
-/// Farther than this a target is only a direction: its distance, times what the filter does to it, must stay a number.
+/// Largest distance to a target; a farther one only gives a direction. The distance times the filter's gain must not
+/// overflow.
 constexpr double far_m = 1e3;
 
 }  // namespace
@@ -20,7 +21,7 @@ PointerDevice::PointerDevice(const Point& start_m, const DeviceMap& map, double 
       target_(start_m), point_m_(start_m), velocity_m_s_(Point::Zero(start_m.size())) {
     map_.fit(static_cast<int>(start_m.size()));
     if (!(speed_m_s_ > 0) || !(settle_s_ > 0) || !start_m.allFinite())
-        throw MismatchError("a pointer needs a place to start, a speed and a settling time that are positive");
+        throw MismatchError("a pointer needs a finite start, a positive speed and a positive settling time");
 }
 
 void PointerDevice::aim(const Point& target_m) noexcept {
@@ -47,11 +48,12 @@ DeviceSample PointerDevice::read(double time_s) noexcept {
     point_m_ += h * velocity_m_s_;
     DeviceSample sample;
     sample.position_m = map_.to_device(point_m_);
+    sample.grasp = grasps_.load(std::memory_order_relaxed);
     return sample;
 }
 
-DeviceSample PointerDevice::stand_still(double time_s) noexcept {
-    time_s_ = time_s;  // read() then goes no way
+DeviceSample PointerDevice::skip_tick(double time_s) noexcept {
+    time_s_ = time_s;  // so that read() makes a step of length 0
     velocity_m_s_.setZero();
     return read(time_s);
 }

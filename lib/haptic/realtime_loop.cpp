@@ -33,7 +33,7 @@ void sleep_until(long long time_ns) noexcept {
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr);
 }
 
-/// Asks for a realtime class and locked memory, for the calling thread and as long as this lives.
+/// Requests SCHED_FIFO for the calling thread and locked memory, for the lifetime of this object.
 class RealtimeThread {
    public:
     RealtimeThread(int priority, std::vector<std::string>& notices) {
@@ -48,7 +48,7 @@ class RealtimeThread {
         locked_ = mlockall(MCL_CURRENT) == 0;
         if (!locked_) refused += fmt::format("{}no locked memory ({})", refused.empty() ? "" : ", ", std::strerror(errno));
         if (!refused.empty())
-            notices.push_back("this machine does not allow all of realtime: " + refused + "; ticks may come late");
+            notices.push_back("this machine does not allow realtime scheduling completely: " + refused + "; ticks may be late");
     }
     ~RealtimeThread() {
         if (scheduled_) pthread_setschedparam(pthread_self(), policy_, &before_);
@@ -63,20 +63,20 @@ class RealtimeThread {
     bool scheduled_ = false, locked_ = false;
 };
 
-/// Touches the stack that ticks will use, so that its pages are there.
+/// Writes to the part of the stack that ticks will use, so that its pages are mapped before the first tick.
 void touch_stack() noexcept {
     volatile char page[64 * 1024];
     for (std::size_t k = 0; k < sizeof page; k += 1024) page[k] = 0;
 }
 
-/// given: `count` devices, one for each tool.
+/// given: `count` devices, one per tool.
 void run(Simulation& simulation, Device* const* given, std::size_t count, const LoopOptions& options, LoopReport& report) {
-    if (!(options.seconds >= 0 && options.seconds <= longest_session_s)) throw MismatchError(fmt::format("a session lasts 0 to {:g} s, not {:g} s", longest_session_s, options.seconds));
+    if (!(options.seconds >= 0 && options.seconds <= longest_session_s)) throw MismatchError(fmt::format("a session must last 0 to {:g} s, not {:g} s", longest_session_s, options.seconds));
     const int tools = simulation.tool_count();
-    if (count != static_cast<std::size_t>(tools)) throw MismatchError(fmt::format("a session of {} tools has as many devices, not {}", tools, count));
+    if (count != static_cast<std::size_t>(tools)) throw MismatchError(fmt::format("a session of {} tools needs as many devices, not {}", tools, count));
     if (options.stop && options.stop->load(std::memory_order_relaxed)) return;
     std::optional<RunningDevice> running[most_tools];
-    struct NoForce {  // on any device that was started, before the first of them is stopped
+    struct NoForce {  // sets the force of every started device to zero, before the first of them is stopped
         Device* const* devices;
         int started = 0;
         ~NoForce() {
@@ -95,8 +95,8 @@ void run(Simulation& simulation, Device* const* given, std::size_t count, const 
     const long long start = now_ns(CLOCK_MONOTONIC) + dt_ns;
     const long long last_slot =
         options.seconds > 0 ? static_cast<long long>(std::ceil(options.seconds / dt_s - 1e-6)) : -1;
-    long long before = -1, left_out = 0;  // slot of the last tick, done or left out; how many slots were left out
-    double cost_s = 0;  // of the tick before
+    long long before = -1, left_out = 0;  // slot of the last tick, done or left out; number of slots left out
+    double cost_s = 0;  // duration of the previous tick
     for (long long slot = 0; last_slot < 0 || slot < last_slot; ++slot) {
         if (options.stop && options.stop->load(std::memory_order_relaxed)) break;
         const long long due = options.clock ? start + slot * dt_ns : now_ns(CLOCK_MONOTONIC);
@@ -105,7 +105,7 @@ void run(Simulation& simulation, Device* const* given, std::size_t count, const 
         bool wanted = true;
         for (TickHook* hook : options.hooks) wanted = hook->before(simulation) && wanted;
 
-        // woken late: this is the tick of the period that is now, and says how long ago the last one was
+        // after a late wake-up this becomes the tick of the current period; since_s is the time since the last one
         const long long began = now_ns(CLOCK_MONOTONIC), cpu_began = now_ns(CLOCK_THREAD_CPUTIME_ID);
         const auto missed = [&](long long late_ns, long long next) {
             const long long periods = options.clock ? late_ns / dt_ns : 0;
@@ -117,7 +117,7 @@ void run(Simulation& simulation, Device* const* given, std::size_t count, const 
         if (last_slot >= 0 && slot >= last_slot) break;
 
         // the tick
-        TickBooks books;
+        TickStatistics books;
         const double time_s = static_cast<double>(slot) * dt_s, since_s = static_cast<double>(slot - before) * dt_s;
         if (!wanted) left_out += slot - before;
         before = slot;
@@ -130,13 +130,13 @@ void run(Simulation& simulation, Device* const* given, std::size_t count, const 
             simulation.tick(samples, force_N, since_s, cost_s);
             if (options.clock) cost_s = 1e-9 * static_cast<double>(now_ns(CLOCK_MONOTONIC) - ticked);
         } else {
-            for (int k = 0; k < tools; ++k) samples[k] = given[k]->stand_still(time_s);
-            simulation.stand_still(samples, force_N, since_s);
+            for (int k = 0; k < tools; ++k) samples[k] = given[k]->skip_tick(time_s);
+            simulation.skip_tick(samples, force_N, since_s);
         }
         for (int k = 0; k < tools; ++k) given[k]->write(force_N[k]);
         const long long ended = now_ns(CLOCK_MONOTONIC);
 
-        // its place in the books
+        // session statistics
         books.tick_us = 1e-3 * static_cast<double>(ended - began);
         books.lateness_us = options.clock ? 1e-3 * static_cast<double>(began - due) : 0;
         if (wanted) {
@@ -163,7 +163,7 @@ LoopReport reported(Simulation& simulation, Device* const* devices, std::size_t 
     try {
         run(simulation, devices, count, options, report);
     } catch (...) {
-        throw;  // where nobody above catches, the stack would not be unwound, nor the device stopped
+        throw;  // without any handler the stack might not be unwound, nor the device stopped
     }
     return report;
 }

@@ -11,32 +11,46 @@
 
 namespace tissue {
 
-constexpr double longest_session_s = 1e9;       ///< thirty years: beyond it the count of ticks would not be one
+constexpr double longest_session_s = 1e9;       ///< thirty years: counts of ticks and nanoseconds fit 64 bits
 
 struct LoopOptions {
-    double seconds = 10;                        ///< up to longest_session_s; 0: until the device has finished or `stop` is set
-    const std::atomic<bool>* stop = nullptr;    ///< set from a signal handler or another thread
-    bool clock = true;                          ///< false: ticks follow one another without waiting, none is missed, and `seconds` are the tissue's; for scripted motions, which no hand feels
-    bool realtime = true;                       ///< ask for SCHED_FIFO and locked memory; not without a clock, for such a loop never sleeps
-    int priority = 80;                          ///< of SCHED_FIFO: above most of the kernel's threads, below its watchdogs
-    std::vector<TickHook*> hooks;               ///< in this order; they outlive the loop
+    /// up to longest_session_s; 0: until a device has finished or `stop` is set
+    double seconds = 10;
+    const std::atomic<bool>* stop = nullptr;    ///< set by a signal handler or another thread
+    /// false: ticks follow one another without waiting, there are no overruns, and `seconds` is time of the tissue; for
+    /// scripted motions, whose force no person feels
+    bool clock = true;
+    /// request SCHED_FIFO and locked memory; without a clock no request is made, since such a loop never sleeps
+    bool realtime = true;
+    /// of SCHED_FIFO: above most of the kernel's threads, below its watchdogs
+    int priority = 80;
+    std::vector<TickHook*> hooks;               ///< called in this order; must outlive the loop
 };
 
 struct LoopReport {
     bool clock = true;
     long long ticks = 0;
-    long long misses = 0;          ///< periods of the session that ended before their tick was done: with the ticks, all that were asked for
-    long long misses_program = 0;  ///< those in which the tick itself used a whole period of processor time
-    Histogram tick_us;             ///< device read to device write
-    Histogram lateness_us;         ///< start of a tick after its place on the schedule
-    std::vector<std::string> notices;  ///< what the machine did not allow
+    /// overruns: periods that ended before their tick was done. Ticks, overruns and ticks that hooks left out add up to
+    /// all periods
+    long long misses = 0;
+    long long misses_program = 0;  ///< overruns in which the tick itself used a whole period of processor time
+    Histogram tick_us;             ///< from device read to device write
+    Histogram lateness_us;         ///< start of a tick after its scheduled time
+    std::vector<std::string> notices;  ///< what the machine refused: realtime class, locked memory
 };
 
-/// Ticks at an absolute rate until the time is up, or one of the devices has no more to say: positions in, simulation, forces out; a device for each of the simulation's tools. A tick that comes
-/// so late that periods have ended is a miss for each of them, and takes the place of the period that it begins in; the
-/// schedule stays where it was. The forces are zero and the devices stopped before this returns or throws what a device's
-/// start(), set-up or a hook threw. A session that was asked to stop before it began does not start a device. A period whose tick is left out is none of the tissue's: it is neither made up for nor counted as lost. Throws MismatchError for a time that is none, and for
-/// more or fewer devices than tools. Set-up and report are the caller's; nothing is printed here.
+/// Runs ticks on a fixed schedule until the time is up, a device has finished, or `stop` is set. A tick reads
+/// positions, simulates, and writes forces. devices: one for each of the simulation's tools.
+///
+/// If a tick starts so late that periods have ended, each of them counts as an overrun, and the tick becomes that of
+/// the period in which it starts. The schedule does not shift. A period whose tick a hook leaves out is no part of the
+/// tissue's time: it is neither made up for nor counted as lost.
+///
+/// Before this returns or throws, forces are zero and devices are stopped. If `stop` is set at the beginning, no device
+/// is started. The caller does set-up and report; nothing is printed here.
+///
+/// Throws what a device's start(), set-up or a hook threw, and MismatchError for `seconds` outside [0,
+/// longest_session_s] or a number of devices that is not that of the tools.
 LoopReport run_loop(Simulation& simulation, const std::vector<Device*>& devices, const LoopOptions& options);
 LoopReport run_loop(Simulation& simulation, Device& device, const LoopOptions& options);
 

@@ -13,10 +13,11 @@
 namespace tissue {
 namespace {
 
-constexpr int chunk = 256;  ///< rows, or loose springs, at a time: their forces stay in the first-level cache
-constexpr int fewest = 8;   ///< springs of a band
-constexpr int most_empty = 12;  ///< a band of an embedded lattice ends at a gap of more empty slots: so many cost as much as a new band
-constexpr double same = 1e-13;  ///< part of a spring's length: what places far from the origin round by
+constexpr int chunk = 256;  ///< rows, or loose springs, per pass: their forces stay in the first-level cache
+constexpr int fewest = 8;   ///< smallest number of springs in a band
+/// a band of an embedded lattice ends at a larger gap of empty slots: 12 cost as much as a new band
+constexpr int most_empty = 12;
+constexpr double same = 1e-13;  ///< relative to a spring's length: rounding of positions far from the origin
 
 }  // namespace
 
@@ -29,9 +30,9 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, std::unique_ptr<SpringLaw> la
     const int N = mesh.node_count(), S = mesh.spring_count();
     const int own = mesh.embedding.node_count();
     if (node_mass_kg.size() != N || !(node_mass_kg.tail(N - own).minCoeff() > 0) || (own > 0 && !node_mass_kg.head(own).isZero(0)) || !node_mass_kg.allFinite())
-        throw MismatchError("every node of the spring mesh must have a positive mass, and an embedded solid's own nodes none");
+        throw MismatchError("every node of the spring mesh must have a positive mass, and an embedded solid's own nodes must have none");
     if (mesh.is_solid() && !law_->plays_in_space())
-        throw MismatchError(fmt::format("in space the tick knows springs that turn, 'geometric', and not '{}'", law_->name()));
+        throw MismatchError(fmt::format("in space a session needs 'geometric' springs, not '{}'", law_->name()));
     rest_ = mesh.nodes;
     mass_ = node_mass_kg;
     inverse_mass_ = Eigen::VectorXd::Zero(N);
@@ -40,9 +41,10 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, std::unique_ptr<SpringLaw> la
     if (!mesh.is_solid()) outline_ = mesh.loop();
     facets_ = mesh.facets;
 
-    // A band joins row i to i + offset. At least half of its slots hold a spring, and no two springs share a slot. Springs of equal span are put into bands first.
+    // A band joins rows i and i + offset. At least half of its slots have a spring, and no two springs share a slot.
+    // Springs of equal span are put into bands first.
     using Span = std::array<long, 3>;
-    std::map<int, std::map<Span, std::vector<std::pair<int, int>>>> by_offset;  // first row, spring
+    std::map<int, std::map<Span, std::vector<std::pair<int, int>>>> by_offset;  // pairs: first row, spring
     for (int s = 0; s < S; ++s) {
         const int i = mesh.springs.row(s).minCoeff(), j = mesh.springs.row(s).maxCoeff();
         Span span{};
@@ -54,7 +56,7 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, std::unique_ptr<SpringLaw> la
     const int most_apart = rows_.by_node() ? rows_.count() : most_empty + 1;
     std::vector<int> loose;
     for (auto& [offset, by_span] : by_offset) {
-        std::vector<std::pair<int, int>> rest;  // of spans that few springs have
+        std::vector<std::pair<int, int>> rest;  // springs of spans too rare for a band
         const auto add_bands = [&, offset = offset](const std::vector<std::pair<int, int>>& springs, auto leave) {
             for (std::size_t begin = 0, end; begin < springs.size(); begin = end) {
                 std::size_t longest = end = begin + 1;
@@ -102,7 +104,7 @@ RealtimeMesh::RealtimeMesh(const SpringMesh& mesh, std::unique_ptr<SpringLaw> la
         loose_first_.push_back(rows_.of(first_[static_cast<std::size_t>(slot)]));
         loose_second_.push_back(rows_.of(second_[static_cast<std::size_t>(slot)]));
     }
-    for (Band& band : bands_) {  // a band starts with a spring
+    for (Band& band : bands_) {  // the first slot of a band has a spring
         const Eigen::RowVectorXd axis = axis_.row(band.first_slot), span = rest_span_.row(band.first_slot);
         std::copy(axis.begin(), axis.end(), band.axis);
         std::copy(span.begin(), span.end(), band.span);
@@ -135,7 +137,7 @@ void RealtimeMesh::force(const Eigen::VectorXd& theta, const NodeColumns& u, Nod
     loose_force(theta, u, f, memory);
 }
 
-/// What the law sees of the springs from one slot on, but for the displacement of their ends and the force on them.
+/// Arguments of the spring law for the springs from a slot on, without displacements and forces of their ends.
 SpringRun RealtimeMesh::run_at(int slot, const Eigen::VectorXd& theta) const noexcept {
     SpringRun run{};
     run.dimension = dimension();
@@ -148,8 +150,8 @@ SpringRun RealtimeMesh::run_at(int slot, const Eigen::VectorXd& theta) const noe
     return run;
 }
 
-/// All bands of a few rows, then the next: what they read and write is still near. Forces on the first ends gather in an
-/// array of their own, so that no run overlaps itself.
+/// All bands of one chunk of rows, then of the next chunk, so that the data stay in the cache. Forces on the first ends
+/// are summed in an array of their own, so that no run overlaps itself.
 void RealtimeMesh::bands_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
     alignas(64) double own[3][chunk];
     const int D = dimension(), N = rows_.count();
@@ -179,7 +181,7 @@ void RealtimeMesh::bands_force(const Eigen::VectorXd& theta, const NodeColumns& 
     }
 }
 
-/// The ends of loose springs lie anywhere: they are gathered, and their forces scattered.
+/// The ends of loose springs are not contiguous: displacements are gathered, and forces scattered.
 void RealtimeMesh::loose_force(const Eigen::VectorXd& theta, const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept {
     alignas(64) double u_i[3][chunk], u_j[3][chunk], f_i[3][chunk], f_j[3][chunk];
     const int D = dimension();

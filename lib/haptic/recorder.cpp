@@ -8,9 +8,9 @@ namespace {
 
 constexpr std::size_t block_ticks = 1024;
 
-constexpr int of_tissue = -1;  ///< as many columns as the tissue has axes
+constexpr int of_tissue = -1;  ///< Dataset::axes: one column per axis of the tissue
 
-/// A dataset of numbers of what `Of` says: one row a tick, `axes` columns (0: none, a plain list).
+/// A dataset with one row per tick and `axes` columns (0: a plain list). value() takes its numbers from an `Of`.
 template <class Of, class Number>
 struct Dataset {
     const char* name;
@@ -22,37 +22,38 @@ struct Dataset {
 double axis(const Point& p, int a) { return a < p.size() ? p[a] : 0; }
 
 const Dataset<RecordedTick, double> of_loop[] = {
-    {"/time", 0, "s", "of each tick on the schedule", [](const RecordedTick& k, int) { return k.time_s; }},
-    {"/tick_us", 0, "us", "work of the tick", [](const RecordedTick& k, int) { return k.tick_us; }},
-    {"/lateness_us", 0, "us", "start of the tick after its place on the schedule", [](const RecordedTick& k, int) { return k.lateness_us; }},
+    {"/time", 0, "s", "scheduled time of each tick", [](const RecordedTick& k, int) { return k.time_s; }},
+    {"/tick_us", 0, "us", "computation time of the tick", [](const RecordedTick& k, int) { return k.tick_us; }},
+    {"/lateness_us", 0, "us", "start of the tick after its scheduled time", [](const RecordedTick& k, int) { return k.lateness_us; }},
 };
 
 const Dataset<RecordedTick, int> of_tissue_alone[] = {
-    {"/reset", 0, "", "1 where every mesh was put to rest before the tick, by a reset from outside", [](const RecordedTick& k, int) { return k.tool[0].reset ? 1 : 0; }},
+    {"/reset", 0, "", "1 where every mesh was put to rest before the tick, by a call of reset", [](const RecordedTick& k, int) { return k.tool[0].reset ? 1 : 0; }},
 };
 
 const Dataset<TickRecord, double> of_tool[] = {
-    {"/device_position", 3, "m", "as the device gave it", [](const TickRecord& t, int a) { return t.device_m[a]; }},
-    {"/device_force", 3, "N", "as the device got it", [](const TickRecord& t, int a) { return t.device_N[a]; }},
+    {"/device_position", 3, "m", "position from the device", [](const TickRecord& t, int a) { return t.device_m[a]; }},
+    {"/device_force", 3, "N", "force to the device", [](const TickRecord& t, int a) { return t.device_N[a]; }},
     {"/master", of_tissue, "m", "device position in the tissue's space", [](const TickRecord& t, int a) { return axis(t.master_m, a); }},
-    {"/proxy", of_tissue, "m", "on the surface while in contact", [](const TickRecord& t, int a) { return axis(t.proxy_m, a); }},
+    {"/proxy", of_tissue, "m", "proxy, on the surface while in contact", [](const TickRecord& t, int a) { return axis(t.proxy_m, a); }},
     {"/contact_displacement", of_tissue, "m", "x_p - X_p of the learned mesh", [](const TickRecord& t, int a) { return axis(t.contact_displacement_m, a); }},
     {"/coupling_force", of_tissue, "N", "k_C (x_p - x_m), before safety and force scale", [](const TickRecord& t, int a) { return axis(t.coupling_N, a); }},
-    {"/weight", 3, "1", "of the facet's nodes at the contact; of a segment the third is 0", [](const TickRecord& t, int a) { return t.weight[a]; }},
+    {"/weight", 3, "1", "weights of the facet's nodes at the contact; for a segment the third is 0", [](const TickRecord& t, int a) { return t.weight[a]; }},
 };
 
 const Dataset<TickRecord, int> of_tool_whole[] = {
-    {"/mesh", 0, "", "pressed mesh, -1 none", [](const TickRecord& t, int) { return t.mesh; }},
-    {"/facet", 0, "", "of the boundary, -1 none", [](const TickRecord& t, int) { return t.facet; }},
-    {"/set", 0, "", "spring set with the largest share", [](const TickRecord& t, int) { return t.set; }},
-    {"/slipping", 0, "", "1 where the contact went along the surface", [](const TickRecord& t, int) { return t.slipping ? 1 : 0; }},
+    {"/mesh", 0, "", "mesh in contact, -1 none", [](const TickRecord& t, int) { return t.mesh; }},
+    {"/facet", 0, "", "facet of the boundary, -1 none", [](const TickRecord& t, int) { return t.facet; }},
+    {"/set", 0, "", "spring set with the largest weight", [](const TickRecord& t, int) { return t.set; }},
+    {"/slipping", 0, "", "1 where the contact slips along the surface", [](const TickRecord& t, int) { return t.slipping ? 1 : 0; }},
+    {"/grasp", 0, "", "0 none, 1 requested, 2 the tool grasps the tissue", [](const TickRecord& t, int) { return t.grasped ? 2 : t.grasp ? 1 : 0; }},
     {"/status", 0, "", "0 done; without force: 1 the position was refused, 2 not yet outside, 3 folded, 4 diverged", [](const TickRecord& t, int) { return static_cast<int>(t.status); }},
     {"/fault", 0, "", "1 where the input was refused", [](const TickRecord& t, int) { return t.fault() ? 1 : 0; }},
 };
 
 }  // namespace
 
-/// use(name, dataset, of): of(tick) is what the dataset's value is of.
+/// Calls use(name, dataset, of) for each dataset; of(tick) is the argument of the dataset's value().
 template <class Use>
 void Recorder::each_dataset(const Use& use) const {
     const auto whole = [](const RecordedTick& k) -> const RecordedTick& { return k; };
@@ -80,7 +81,7 @@ Recorder::~Recorder() {
     if (thread_.joinable()) thread_.join();
 }
 
-void Recorder::after(const Simulation& simulation, const TickBooks& books) noexcept {
+void Recorder::after(const Simulation& simulation, const TickStatistics& books) noexcept {
     if (books.left_out) return;
     RecordedTick row;
     for (int t = 0; t < tools_; ++t) row.tool[static_cast<std::size_t>(t)] = simulation.record(t);
@@ -136,7 +137,7 @@ void Recorder::close(const Simulation& simulation) {
     if (thread_.joinable()) thread_.join();
     if (error_) std::rethrow_exception(error_);
     const HapticModel& model = simulation.model();
-    out_.write_texts("/set_names", model.set_names, "of the learned mesh");
+    out_.write_texts("/set_names", model.set_names, "spring sets of the learned mesh");
     out_.attribute("/", "study", model.study);
     out_.attribute("/", "dropped_samples", static_cast<double>(dropped()));
     out_.attribute("/", "dt_s", model.options.dt_s);

@@ -17,11 +17,11 @@ namespace tissue {
 
 const DeviceKind RemoteDevice::kind = {
     "remote",
-    {{"port", "number", "47474", "of remote: UDP, on this machine alone", false,
+    {{"port", "number", "47474", "for remote: UDP port, on this machine only", false,
       [](const std::string& text) -> std::string {
           char* end = nullptr;
           const long port = std::strtol(text.c_str(), &end, 10);
-          return !text.empty() && *end == '\0' && port >= 0 && port <= 65535 ? "" : "wanted a number from 0 to 65535, not " + text;
+          return !text.empty() && *end == '\0' && port >= 0 && port <= 65535 ? "" : "must be a number from 0 to 65535, not " + text;
       }}},
     [](const DeviceValues& v, const DeviceContext&) -> std::unique_ptr<Device> {
         return std::make_unique<RemoteDevice>(std::stoi(v.at("port")));
@@ -29,17 +29,19 @@ const DeviceKind RemoteDevice::kind = {
 
 namespace {
 
-constexpr int most_a_read = 512;       // more than the system keeps for a socket: a flood must not hold up the tick
-constexpr double leads_s = 0.5;        // without a datagram that follows
-constexpr double leap = 1000, rate_max_hz = 10000;  // of a sequence
-constexpr double early_s = 0.5;        // the first datagram may have waited for so long, and the next for no time
-constexpr double drift = 1e-3;         // of two clocks: ten times what a quartz does
+// more datagrams than the system keeps per socket: a flood must not delay the tick
+constexpr int most_a_read = 512;
+constexpr double leads_s = 0.5;        // a peer keeps its role for this time without a datagram that follows
+constexpr double leap = 1000, rate_max_hz = 10000;  // largest step of the sequence, and its growth per second
+// the first datagram may have waited this long in the socket, the next not at all
+constexpr double early_s = 0.5;
+constexpr double drift = 1e-3;         // between two clocks: ten times that of a quartz
 
 bool same(const sockaddr_in& a, const sockaddr_in& b) noexcept {
     return a.sin_port == b.sin_port && a.sin_addr.s_addr == b.sin_addr.s_addr;
 }
 
-/// A socket on the loopback address and this port; 0: any. -1 and errno when there is none.
+/// A socket on the loopback address and this port; 0: any port. Returns -1 and sets errno where there is none.
 int bound_socket(int port) noexcept {
     const int made = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
@@ -62,13 +64,13 @@ int port_of(int socket) noexcept {
 }  // namespace
 
 RemoteDevice::RemoteDevice(int port) : socket_(bound_socket(port)), port_(port) {
-    // a socket whose port the system chose loses it when the socket is disconnected: ask for that port by its number
+    // a socket loses a port that the system chose when the socket is disconnected: bind that port by its number
     for (int tries = 0; port == 0 && socket_ >= 0 && tries < 10; ++tries) {
         port_ = port_of(socket_);
         ::close(socket_);
         socket_ = bound_socket(port_);
         if (socket_ >= 0) break;
-        socket_ = bound_socket(0);  // another program was faster
+        socket_ = bound_socket(0);  // another program has taken the port in between
         port_ = 0;
     }
     if (socket_ >= 0 && port_ > 0) return;
@@ -81,7 +83,7 @@ RemoteDevice::~RemoteDevice() {
     ::close(socket_);
 }
 
-/// What came before is of another session.
+/// Discards datagrams that arrived before: they belong to another session.
 void RemoteDevice::start() {
     release();
     char old[sizeof(SensorDatagram)];
@@ -105,14 +107,17 @@ DeviceSample RemoteDevice::read(double time_s) noexcept {
         const ssize_t size = ::recvfrom(socket_, &datagram, sizeof datagram, MSG_TRUNC, reinterpret_cast<sockaddr*>(&from), &length);
         if (size >= 0)
             take(datagram, size, from);
-        else if (errno != ECONNREFUSED && errno != EINTR)  // refused: the peer has closed its port, and others wait behind
+        // refused: the peer has closed its port; other datagrams may wait
+        else if (errno != ECONNREFUSED && errno != EINTR)
             break;
     }
-    if (state_ != Peer::none && time_s - heard_s_ >= leads_s) release();  // after all that has come, or a stall of ours were its silence
+    // after reading all datagrams, so that a stall of this program does not count as silence of the peer
+    if (state_ != Peer::none && time_s - heard_s_ >= leads_s) release();
     if (!has_position_) ++waiting_;
     DeviceSample sample;
     sample.position_m = position_m_;
     sample.measured_N = measured_N_;
+    sample.grasp = grasps_;
     sample.valid = has_position_;
     sample.age_s = std::max(0.0, time_s - measured_s_);
     return sample;
@@ -133,7 +138,7 @@ void RemoteDevice::take(const SensorDatagram& datagram, ssize_t size, const sock
         state_ = Peer::candidate;
         peer_ = from;
         offset_s_ = time_s_ - in.time_s;
-        heard_s_ = time_s_;  // not that of an earlier session, whose schedule had another 0
+        heard_s_ = time_s_;  // an old value may be of an earlier session, whose schedule had another origin
         remember(in);
         return;
     }
@@ -147,18 +152,20 @@ void RemoteDevice::take(const SensorDatagram& datagram, ssize_t size, const sock
         return;
     }
     if (!follows(in)) {
-        leaps_ += state_ == Peer::candidate ? 2 : 1;  // the first of a candidate is not counted before the second
+        leaps_ += state_ == Peer::candidate ? 2 : 1;  // a candidate's first datagram is counted with its second
         if (state_ == Peer::candidate) state_ = Peer::none;
         return;
     }
     if (state_ == Peer::candidate) {
-        if (!(in.time_s > client_s_)) {  // a coarse clock, or one that stands still or has another unit: the next time it shows tells
+        // same time: a coarse clock, one that stands still, or another unit; a later datagram decides
+        if (!(in.time_s > client_s_)) {
             ++leaps_;
             sequence_ = in.sequence;
             return;
         }
         state_ = Peer::leads;
-        ::connect(socket_, reinterpret_cast<const sockaddr*>(&peer_), sizeof peer_);  // what has come of others by now is told by its address
+        // datagrams of others that have arrived already are recognised by their address
+        ::connect(socket_, reinterpret_cast<const sockaddr*>(&peer_), sizeof peer_);
         ++received_;
         ++skipped_;
     }
@@ -170,6 +177,7 @@ void RemoteDevice::take(const SensorDatagram& datagram, ssize_t size, const sock
     position_m_ = Eigen::Vector3d(in.position_m[0], in.position_m[1], in.position_m[2]);
     measured_N_ = sensor ? Eigen::Vector3d(datagram.measured_N[0], datagram.measured_N[1], datagram.measured_N[2]) : DeviceSample().measured_N;
     measured_s_ = client_s_ + offset_s_;
+    grasps_ = in.grasp == 1;
 }
 
 bool RemoteDevice::follows(const PositionDatagram& in) const noexcept {

@@ -17,7 +17,7 @@ namespace tissue {
 
 const DeviceKind ReplayDevice::kind = {
     "replay",
-    {{"trajectory", "FILE", "", "of replay: CSV or a recording", true}},
+    {{"trajectory", "FILE", "", "for replay: CSV or a recording", true}},
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
         auto device = std::make_unique<ReplayDevice>(v.at("trajectory"), c.tool);
         if (c.rest && c.rest->is_solid() && !device->has_z()) throw DeviceError(v.at("trajectory") + ": has no column z_m, and the tissue is in space");
@@ -29,25 +29,25 @@ const DeviceKind ReplayDevice::kind = {
 ReplayDevice::ReplayDevice(const std::string& file, int tool) {
     const bool recording = file.size() > 3 && file.compare(file.size() - 3, 3, ".h5") == 0;
     recording ? read_recording(file, tool) : read_csv(file);
-    if (time_s_.empty()) throw DeviceError(file + ": holds no trajectory");
+    if (time_s_.empty()) throw DeviceError(file + ": has no trajectory");
 }
 
 void ReplayDevice::read_csv(const std::string& file) {
     CsvTable line(file);
     if (!line.next_row()) throw FileError(file + ": is empty");
     static const std::vector<std::string> known = {"time_s", "x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N"};
-    const std::string wanted = "wanted the columns time_s,x_m,y_m and as you like z_m,fx_N,fy_N,fz_N";
+    const std::string wanted = "must have the columns time_s,x_m,y_m and may have z_m,fx_N,fy_N,fz_N";
     std::vector<int> column(known.size(), -1);
     const std::size_t columns = line.size();
     for (std::size_t h = 0; h < columns; ++h) {
         const auto k = std::find(known.begin(), known.end(), trimmed(line.field(h)));
         if (k == known.end()) line.refuse(fmt::format("column '{}' is not known; {}", one_line(line.field(h)), wanted));
         int& at = column[static_cast<std::size_t>(k - known.begin())];
-        if (at >= 0) line.refuse(fmt::format("column '{}' is there twice", *k));
+        if (at >= 0) line.refuse(fmt::format("column '{}' is present twice", *k));
         at = static_cast<int>(h);
     }
     if (column[0] < 0 || column[1] < 0 || column[2] < 0) line.refuse(wanted);
-    if ((column[4] < 0) != (column[5] < 0) || (column[6] >= 0 && column[4] < 0)) line.refuse("forces are fx_N and fy_N, in space fz_N too");
+    if ((column[4] < 0) != (column[5] < 0) || (column[6] >= 0 && column[4] < 0)) line.refuse("forces need the columns fx_N and fy_N, in space also fz_N");
     const bool reference = column[4] >= 0;
     while (line.next_row()) {
         if (line.size() != columns) line.refuse(fmt::format("has {} fields, the header has {}", line.size(), columns));
@@ -69,24 +69,30 @@ void ReplayDevice::read_recording(const std::string& file, int tool) {
     const Eigen::VectorXd time = in.vector("/time");
     const NodeField position = in.field(places), force = in.field(forces);
     if (position.rows() != time.size() || force.rows() != time.size() || position.cols() != 3 || force.cols() != 3)
-        in.refuse(places, "does not have one row a tick");
-    const std::vector<int> reset = in.has("/reset") ? in.integers("/reset") : std::vector<int>(static_cast<std::size_t>(time.size()), 0);  // earlier programs' have none
-    if (reset.size() != static_cast<std::size_t>(time.size())) in.refuse("/reset", "does not have one row a tick");
+        in.refuse(places, "does not have one row per tick");
+    // recordings of earlier programs have none
+    const std::vector<int> reset = in.has("/reset") ? in.integers("/reset") : std::vector<int>(static_cast<std::size_t>(time.size()), 0);
+    if (reset.size() != static_cast<std::size_t>(time.size())) in.refuse("/reset", "does not have one row per tick");
+    const std::string grasps = of_tool + "/grasp";
+    const std::vector<int> grasp = in.has(grasps) ? in.integers(grasps) : std::vector<int>(reset.size(), 0);
+    if (grasp.size() != reset.size()) in.refuse(grasps, "does not have one row per tick");
     for (Eigen::Index k = 0; k < time.size(); ++k) {
-        if (k > 0 && !(time[k] > time[k - 1])) in.refuse("/time", "does not ascend");
+        if (k > 0 && !(time[k] > time[k - 1])) in.refuse("/time", "must ascend");
         time_s_.push_back(time[k]);
         position_m_.push_back(position.row(k));
         reference_N_.push_back(force.row(k));
         reset_.push_back(reset[static_cast<std::size_t>(k)] != 0);
+        grasp_.push_back(grasp[static_cast<std::size_t>(k)] != 0);
     }
 }
 
 DeviceSample ReplayDevice::read(double time_s) noexcept {
     const double time = time_s_.front() + time_s;
-    constexpr double same_s = 1e-7;  // a tick's time and the row's, by different sums
+    constexpr double same_s = 1e-7;  // rounding: times of ticks and of rows are different sums
     while (next_ < time_s_.size() && time_s_[next_] <= time + same_s) ++next_;
     DeviceSample sample;
     sample.position_m = position_m_[next_ - 1];
+    sample.grasp = next_ <= grasp_.size() && grasp_[next_ - 1];
     for (; passed_ < next_; ++passed_) sample.reset = sample.reset || (passed_ < reset_.size() && reset_[passed_]);
     share_ = 0;
     if (next_ < time_s_.size()) {

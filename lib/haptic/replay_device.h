@@ -7,16 +7,20 @@
 
 namespace tissue {
 
-/// Plays a recorded trajectory: a CSV with the header time_s,x_m,y_m[,z_m][,fx_N,fy_N[,fz_N]], ascending times, read as CsvTable (another column is refused), or a
-/// recording of tissue-haptic (.h5). Between rows the hand moves on a straight line. Where the file has forces they
-/// are the reference: statistics() says how far ours are from them. They are what went to the hand, so that the tool's own, which a sensor
-/// would have read, are their opposite. Where a recording was reset, the tissue is put to rest again: what relaxes remembers what it did
-/// then.
+/// Plays a recorded trajectory: a CSV file, or a recording of tissue-haptic (.h5). The CSV has the header
+/// time_s,x_m,y_m[,z_m][,fx_N,fy_N[,fz_N]] and ascending times; it is read by CsvTable, and other columns are refused.
+/// Between rows the position is interpolated linearly.
+///
+/// Forces in the file are the reference: statistics() gives the deviation of the session's forces from them. They are
+/// forces on the hand. A force sensor in the tool measures their opposite, which is measured_N of the samples. Where
+/// the recorded session was reset, the tissue is put to rest again, since the force of a relaxing tissue depends on its
+/// history.
 class ReplayDevice final : public Device {
    public:
     static const DeviceKind kind;
 
-    /// tool: of a session, 0 or 1; it is played what a recording of two tools has of it. Throws FileError with file, line and cause, DeviceError when there is nothing in it.
+    /// tool: 0 or 1, number of the session's tool; of a recording with two tools the data of this one are played.
+    /// Throws FileError with file, line and cause, and DeviceError for a file without rows.
     explicit ReplayDevice(const std::string& file, int tool = 0);
 
     std::string name() const override { return kind.name; }
@@ -25,8 +29,8 @@ class ReplayDevice final : public Device {
     bool finished() const noexcept override { return finished_; }
     std::vector<std::pair<std::string, double>> statistics() const override;
 
-    bool has_z() const { return has_z_; }  ///< else z is 0
-    bool has_fz() const { return has_fz_; }  ///< or there are no forces
+    bool has_z() const { return has_z_; }  ///< false: z is 0
+    bool has_fz() const { return has_fz_; }  ///< false: the file has fx_N and fy_N, but no fz_N
     std::size_t size() const { return time_s_.size(); }
 
    private:
@@ -36,12 +40,15 @@ class ReplayDevice final : public Device {
     void read_recording(const std::string& file, int tool);
 
     std::vector<double> time_s_;
-    std::vector<Eigen::Vector3d> position_m_, reference_N_;  ///< reference empty when the file has none
-    std::vector<bool> reset_;  ///< before a row; empty when the file does not say
-    std::size_t next_ = 1, passed_ = 0;  ///< row ahead, and rows whose reset has been told
+    std::vector<Eigen::Vector3d> position_m_, reference_N_;  ///< reference empty where the file has no forces
+    std::vector<bool> reset_;  ///< whether a reset precedes each row; empty for a CSV
+    std::vector<bool> grasp_;  ///< whether the tool is to grasp from each row on; empty for a CSV
+    std::size_t next_ = 1, passed_ = 0;  ///< first row after the present time; number of rows whose reset was reported
     bool has_z_ = true, has_fz_ = true;
-    double share_ = 0;       ///< between next_ - 1 and next_
-    bool finished_ = false, answered_ = true;  ///< a force has come for the position read last: write() after read() is compared once, the zero at a session's end is not
+    double share_ = 0;       ///< of the way from row next_ - 1 to next_, 0 to 1
+    /// answered_: a force has come for the position read last. Only the first write() after a read() is compared, and
+    /// so the zero force at a session's end is not
+    bool finished_ = false, answered_ = true;
     double squared_error_ = 0, squared_reference_ = 0, largest_error_ = 0;
     long long compared_ = 0;
 };

@@ -4,8 +4,8 @@
 
 namespace tissue {
 
-/// A device that runs for as long as this lives. The one place that starts a device, and that makes its force zero and
-/// stops it, however the work in between ends: by its end, by an exception, by a start() that throws.
+/// Runs a device for the lifetime of this object. No other code starts a device. Its force is set to zero and it is
+/// stopped however the work in between ends: normally, by an exception, or by a start() that throws.
 class RunningDevice {
    public:
     /// Throws what start() throws.

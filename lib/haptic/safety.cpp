@@ -6,21 +6,22 @@
 namespace tissue {
 namespace {
 
-/// Less is no reason to damp: a tool that lands between two ticks, or a late tick, leaves some microjoules in the books. On tissue of 300 N/m a swing of
-/// that energy is a quarter of a millimetre wide.
+/// Largest surplus that is not damped: a tool that touches between two ticks, or a late tick, leaves some microjoules
+/// in E. On tissue of 300 N/m an oscillation of that energy has an amplitude of a quarter of a millimetre.
 constexpr double negligible_J = 1e-5;
 
 constexpr double rounding = 1 + 1e-9;
 
-constexpr double farthest_m = 1e3;  ///< where no hand is, and no sum of squares overflows
+constexpr double farthest_m = 1e3;  ///< no hand is farther away, and up to here no sum of squares overflows
 
-/// Of any finite vector. Its squares may overflow, and where denormals are zero so may the reciprocals that Eigen's stableNorm takes.
+/// Norm of any finite vector. Its squares may overflow; where denormals are zero, so may the reciprocals in Eigen's
+/// stableNorm.
 double length_of(const Eigen::Vector3d& v) noexcept {
     const double largest = v.cwiseAbs().maxCoeff();
     return largest > 0 ? largest * (v / largest).norm() : 0;
 }
 
-/// The same direction, no longer than `most`.
+/// v, shortened to the length `most` where it is longer.
 Eigen::Vector3d within(const Eigen::Vector3d& v, double most) noexcept {
     const double largest = v.cwiseAbs().maxCoeff();
     if (!(length_of(v) > most)) return v;
@@ -42,7 +43,7 @@ void HeldForces::add(const Eigen::Vector3d& force_N, double seconds, double cell
 }
 
 Eigen::Vector3d HeldForces::mean_N(double from_s, double to_s) const noexcept {
-    if (!(from_s > to_s)) return Eigen::Vector3d::Zero();  // so long ago that a double cannot tell them apart
+    if (!(from_s > to_s)) return Eigen::Vector3d::Zero();  // so long ago that a double does not distinguish them
     Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
     double ago_s = 0;
     const auto take = [&](const Cell& cell) {
@@ -59,7 +60,7 @@ double Safety::worst_release_J(double force_N) const noexcept { return o_.speed_
 
 double Safety::releasable_N(double energy_J) const noexcept { return std::max(0.0, energy_J) / (o_.speed_max_m_s * o_.dt_s); }
 
-/// The device has let go, nobody knows when nor where the hand was then.
+/// The device has released its force, at an unknown time and position of the hand: counts the worst case.
 void Safety::let_go(double elapsed_s) noexcept {
     const double worst = force_N_.norm() * o_.speed_max_m_s * std::min(elapsed_s, o_.hold_s);
     ++counters_.late;
@@ -92,11 +93,11 @@ bool Safety::admit(const DeviceSample& sample, double elapsed_s) noexcept {
     return false;
 }
 
-/// The hand is at a position that was measured so long ago. False where it would be a jump.
+/// Takes a position that was measured age_s ago. False where the motion to it is a jump.
 bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
     const Eigen::Vector3d motion = position_m - position_m_;
     const double between_s = std::max(0.0, since_good_s_ - age_s);
-    // or it is the same position once more, by a clock that is not just ours
+    // else it is the same position again; its age may be measured by a clock that differs a little from ours
     const bool fresh = !has_position_ || between_s > 0.5 * std::min(elapsed_s_, o_.dt_s) || !motion.isZero(0);
     between_s_ = 0;
     if (!fresh) return true;
@@ -106,9 +107,11 @@ bool Safety::follow(const Eigen::Vector3d& position_m, double age_s) noexcept {
     const bool jump = has_position_ && !(taken_s <= allowed_s_ * rounding + 1e-9 * o_.dt_s);  // positions are rounded
     if (!jump) allowed_s_ = has_position_ ? std::max(0.0, allowed_s_ - taken_s) : o_.dt_s;
     position_m_ = position_m;
-    const bool one_force = age_s == 0 && since_good_s_ <= elapsed_s_;  // from tick to tick, which may take no time
-    const double before_s = between_s > 0 ? since_good_s_ : age_s + 1e-9 * o_.dt_s;  // of two at one time, the force then
-    since_good_s_ = std::min(since_good_s_, age_s);  // who measured this one before the last one gains no time by that
+    // one tick between the positions, which may take no time
+    const bool one_force = age_s == 0 && since_good_s_ <= elapsed_s_;
+    // for two positions at one time, the force at that time
+    const double before_s = between_s > 0 ? since_good_s_ : age_s + 1e-9 * o_.dt_s;
+    since_good_s_ = std::min(since_good_s_, age_s);  // a position measured before the last one gains no time
     has_motion_ = has_position_ && !jump && !jumped_;
     jumped_ = jump;
     if (jump) return false;
@@ -136,7 +139,8 @@ void Safety::go_on_from(const Safety& other) noexcept {
 
 void Safety::become(const SafetyOptions& options) noexcept {
     lateness_ = std::max(1.0, lateness_ * o_.dt_s / options.dt_s);
-    if (options.force_max_N < o_.force_max_N || options.speed_max_m_s < o_.speed_max_m_s) unknown_way_ = true;  // forces that were held may exceed what the new bound is for
+    // forces held before may exceed what the new bound assumes
+    if (options.force_max_N < o_.force_max_N || options.speed_max_m_s < o_.speed_max_m_s) unknown_way_ = true;
     o_ = options;
     force_N_ = within(force_N_, o_.force_max_N);
     observed_J_ = std::min(observed_J_, lateness_ * (bound_J() - worst_release_J(force_N_.norm())));
@@ -146,11 +150,12 @@ Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N, bool damp) noexce
     Eigen::Vector3d wanted = wanted_N;
     if (!wanted.allFinite()) wanted.setZero();
     const double length = length_of(wanted);
-    if (length >= o_.force_max_N * (1 - 1e-5)) ++counters_.clamped;  // a law's tool gives way before it is more
+    // an energy model's tool never shows more than force_max
+    if (length >= o_.force_max_N * (1 - 1e-5)) ++counters_.clamped;
     if (length > o_.force_max_N) wanted = within(wanted, o_.force_max_N);
     double most = o_.force_max_N;
     if (o_.passivity) {
-        // observer: what will have been given if the hand goes on as it did; controller: damp just that away
+        // observer: E after this tick if the hand keeps its velocity; controller: the damping that removes just that
         const double surplus = observed_J_ + wanted.dot(motion_m_), motion2 = motion_m_.squaredNorm();
         if (damp && surplus > negligible_J && motion2 > 1e-18) {
             wanted -= std::min(surplus / motion2, o_.damping_max_Ns_m / o_.dt_s) * motion_m_;
@@ -161,7 +166,8 @@ Eigen::Vector3d Safety::limit(const Eigen::Vector3d& wanted_N, bool damp) noexce
     }
     wanted = within(wanted, most);
 
-    // shorter at once, by what is wanted of where it points; from there no farther than slew lets it go. Both ends lie in one ball, so the way between them does
+    // the old force is cut at once to the wanted part along its direction; from there the change is limited by slew.
+    // Both ends lie in the ball of radius `most`, so every force between them does
     const double before2 = force_N_.squaredNorm(), kept = before2 > 0 ? std::clamp(wanted.dot(force_N_) / before2, 0.0, 1.0) : 0;
     const Eigen::Vector3d from = kept * force_N_, change = wanted - from;
     const double left = o_.slew_N_s * std::min(elapsed_s_, o_.dt_s);

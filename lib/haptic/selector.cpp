@@ -10,7 +10,7 @@
 namespace tissue {
 namespace {
 
-/// How far each load case pushes [m]; by force: with what force its own set answers there [N] (C).
+/// Tool displacement of each load case [m]; by force: the contact force of its own spring set there [N] (C).
 Eigen::VectorXd push_sizes(const TissueModel& model, const Eigen::Ref<const NodeField>& theta, SelectBy by) {
     if (model.case_count() == 0) throw MismatchError("the model has no spring sets");
     Eigen::VectorXd sizes = model.magnitude_m;

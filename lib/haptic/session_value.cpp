@@ -1,4 +1,4 @@
-// A session as a value, and what changes while it runs: everything of Simulation that is no part of a tick.
+// Simulation outside a tick: copies, saved states, changes of options, and take-over of another session.
 #include "haptic/simulation.h"
 
 #include <fmt/format.h>
@@ -26,24 +26,24 @@ Simulation::Simulation(const Simulation& other) : Simulation(other.model_) {
 }
 
 void Simulation::fields(StateBytes& state) noexcept {
-    state(due_s_, spare_s_, since_, period_s_, went_s_, cost_, usual_s_, states_, tools_, sound_, rested_s_, reset_, set_, counters_);
-    for (const auto& law : laws_)
+    state(due_s_, spare_s_, since_, period_s_, advanced_s_, cost_, usual_s_, states_, tools_, sound_, rested_s_, reset_, set_, counters_);
+    for (const auto& law : energy_models_)
         if (law) state(*law);
     for (const auto& surface : surfaces_) surface->fields(state);
     if (!state.reads()) return;
     place_surfaces();
     for (ToolState& t : tools_) {
-        if (t.touched >= 0 && model_.is_law()) laws_[0]->contact(t.contact.where.facet, t.contact.where.weight, ToolSpring::Growth(t.spring.growth()), t.spring);
-        t.show_no_more(on_law(t));
+        if (t.touched >= 0 && model_.is_energy_model()) energy_models_[0]->contact(t.contact.where.facet, t.contact.where.weight, ToolSpring::Growth(t.spring.growth()), t.spring);
+        t.show_no_more(on_energy_model(t));
     }
 }
 
 namespace {
 
-/// In front of a state's bytes.
+/// Header of a saved state.
 struct StateHead {
     char magic[8];
-    std::uint64_t fingerprint, size, checksum;  ///< of the model; of what follows
+    std::uint64_t fingerprint, size, checksum;  ///< fingerprint of the model; size and checksum of the bytes after it
 };
 
 constexpr char state_magic[8] = {'T', 'S', 'T', 'A', 'T', 'E', '0', '1'};
@@ -52,7 +52,7 @@ constexpr char state_magic[8] = {'T', 'S', 'T', 'A', 'T', 'E', '0', '1'};
 
 std::size_t Simulation::state_size() const noexcept {
     StateBytes count = StateBytes::counting();
-    const_cast<Simulation*>(this)->fields(count);  // which does not write where it counts
+    const_cast<Simulation*>(this)->fields(count);  // counting does not write
     return sizeof(StateHead) + count.size();
 }
 
@@ -77,8 +77,8 @@ void Simulation::restore(const std::byte* from, std::size_t size) {
     StateHead head{};
     if (size != state_size()) throw MismatchError(fmt::format("a state of {} bytes for a session that has {}", size, state_size()));
     std::memcpy(&head, from, sizeof head);
-    if (std::memcmp(head.magic, state_magic, sizeof state_magic) != 0) throw MismatchError("these bytes are no session's state");
-    if (head.fingerprint != model_.fingerprint) throw MismatchError("the state is of a session of another model, or of other options");
+    if (std::memcmp(head.magic, state_magic, sizeof state_magic) != 0) throw MismatchError("the bytes are not the state of a session");
+    if (head.fingerprint != model_.fingerprint) throw MismatchError("the state is of a session with another model or other options");
     if (head.size != size - sizeof head || head.checksum != XXH3_64bits(from + sizeof head, size - sizeof head)) throw MismatchError("the session's state is damaged");
     const FlushDenormals mode;
     const bool begun = begun_;
@@ -90,10 +90,10 @@ void Simulation::restore(const std::byte* from, std::size_t size) {
     for (int k = 0; begun && k < tool_count(); ++k) {
         ToolState& t = of(k);
         t.options.device.force_max_N = device_N[k];
-        if (same(t.options.safety, own[k])) continue;  // bit for bit
+        if (same(t.options.safety, own[k])) continue;  // the state stays as it is, bit for bit
         t.safety.become(own[k]);
         t.options.safety = own[k];
-        t.show_no_more(on_law(t));
+        t.show_no_more(on_energy_model(t));
     }
     for (ToolState& t : tools_) ++t.contacts;
     begun_ = begun || counters_.ticks > 0;
@@ -105,6 +105,7 @@ void Simulation::change(const HapticOptions& given, int tool) {
     HapticOptions next = t.options;
     next.map = given.map;
     next.friction = given.friction;
+    next.grasp_max_N = given.grasp_max_N;
     next.device = given.device;
     const bool begun = begun_;
     if (begun) next.device.force_max_N = t.options.device.force_max_N;
@@ -122,7 +123,7 @@ void Simulation::change(const HapticOptions& given, int tool) {
     const bool tool_stays = next.map.same_as(t.options.map);
     t.options = std::move(next);
     if (!begun) t.safety = Safety(t.options.safety);
-    t.show_no_more(on_law(t));
+    t.show_no_more(on_energy_model(t));
     if (tool_stays || !t.has_master) return;
     const Point now = t.options.map.to_tissue(t.device_m), moved = now - t.record.master_m;
     t.record.master_m = now;
@@ -134,52 +135,55 @@ void Simulation::change(const HapticOptions& given, int tool) {
 
 void Simulation::follow(const Simulation& from) {
     check_take_over(from);
-    if (begun_) throw MismatchError("only a session that has not ticked yet follows another");
+    if (begun_) throw MismatchError("only a session that has not ticked yet can follow another");
     for (int k = 0; k < tool_count(); ++k) {
         ToolState& t = of(k);
         const ToolState& theirs = from.of(k);
         change(theirs.options, k);
-        t.safety.go_on_from(theirs.safety);  // for its limits
+        t.safety.go_on_from(theirs.safety);  // gives the limits of `theirs`, which the next line reads
         t.options.safety = t.safety.options();
         t.options.device = theirs.options.device;
         t.safety = Safety(t.options.safety);
     }
     followed_.clear();
     for (const ToolState& theirs : from.tools_) followed_.push_back(theirs.contacts);
-    std::vector<Point> at_m;  // where tools are
+    std::vector<Point> at_m;  // positions of the tools
     for (int k = 0; k < tool_count(); ++k) at_m.push_back(way_to(from, k).outside_m);
     for (int k = 0; k < tool_count(); ++k)
         if (from.of(k).armed) lead_to(from, k, at_m);
     for (int k = 0; k < tool_count(); ++k)
         if (const ToolState &t = of(k), &theirs = from.of(k); theirs.armed && (!t.armed || t.record.status != TickStatus::done || t.contact.contact != (theirs.touched >= 0)))
-            throw MismatchError("the tool cannot be led to where the other session's is: this tissue is of another shape there, or too stiff");
+            throw MismatchError("the tool cannot be moved to the place of the other session's tool: this tissue has another shape there, or is too stiff");
 }
 
-/// Of a tool that touches nothing there all three are where it is.
+/// Path to a tool's place in the other session. For a tool that touches nothing there, all three points are its
+/// position.
 Simulation::Way Simulation::way_to(const Simulation& from, int tool) const {
     const ToolState& theirs = from.of(tool);
     const Point tool_m = theirs.record.master_m;
     if (theirs.touched < 0) return {tool_m, tool_m, tool_m};
     const auto m = static_cast<std::size_t>(theirs.touched);
     const HapticMesh& mesh = *from.model_.meshes[m];
-    if (m >= model_.meshes.size() || (model_.meshes[m]->place_m - mesh.place_m).norm() > 1e-9) throw MismatchError("the other session's tool touches a mesh that is not here");
+    if (m >= model_.meshes.size() || (model_.meshes[m]->place_m - mesh.place_m).norm() > 1e-9) throw MismatchError("the other session's tool touches a mesh that this session does not have");
     const FreeSurface::Place place = model_.surface.nearest(mesh.springs.rest_place(theirs.contact.where.facet, theirs.contact.where.weight));
     const Point touched_m = place.point_m + mesh.place_m;
     return {touched_m - model_.surface.spacing_m() * place.inward, touched_m, tool_m};
 }
 
-/// A tool goes to where the other session's is, as a hand would: from outside to the place that it touches, on to where it is, and waits there; the others stay where they are.
+/// Moves a tool to its place in the other session, as a hand would: from outside to the point of contact, then to the
+/// tool's position, where it waits. The other tools stay where they are.
 void Simulation::lead_to(const Simulation& from, int tool, std::vector<Point>& at_m) {
     constexpr double most_ticks = 5000, fewest_ticks = 50, waits_s = 0.3;
     const HapticOptions& o = options(tool);
-    const double speed_m_s = std::min(0.05, o.safety.speed_max_m_s * o.map.scale / 3);  // on average; the most is half as much again
+    // mean speed; the largest is 1.5 times that
+    const double speed_m_s = std::min(0.05, o.safety.speed_max_m_s * o.map.scale / 3);
     std::vector<DeviceSample> samples(tools_.size());
     std::vector<Eigen::Vector3d> force_N(tools_.size());
     const auto tick_at = [&](const Point& tool_m) {
         at_m[static_cast<std::size_t>(tool)] = tool_m;
         for (std::size_t k = 0; k < tools_.size(); ++k) {
             samples[k].position_m = tools_[k].options.map.to_device(at_m[k]);
-            samples[k].valid = from.tools_[k].armed;  // one that is not touches nothing
+            samples[k].valid = from.tools_[k].armed;  // a tool that is not armed has no contact
         }
         tick(samples.data(), force_N.data());
     };
@@ -205,24 +209,26 @@ void Simulation::take_over(const Simulation& from) noexcept {
     std::copy_n(from.since_, 2, since_);
     period_s_ = from.period_s_;
     usual_s_ = from.usual_s_;
-    went_s_ = 0;  // its ticks cost what they will
+    advanced_s_ = 0;  // the cost of the other session's last tick is not counted
     for (int k = 0; k < tool_count(); ++k) {
         ToolState& t = of(k);
         t.take_over(from.of(k), period_s_);
-        t.show_no_more(on_law(t));
+        t.show_no_more(on_energy_model(t));
     }
 }
 
 void Simulation::check_take_over(const Simulation& from) const {
-    if (from.model_.dimension() != model_.dimension()) throw MismatchError(fmt::format("a session of {} axes cannot go on where one of {} was", model_.dimension(), from.model_.dimension()));
-    if (from.tool_count() != tool_count()) throw MismatchError(fmt::format("a session of {} tools cannot go on where one of {} was", tool_count(), from.tool_count()));
+    if (from.model_.dimension() != model_.dimension()) throw MismatchError(fmt::format("a session of {} axes cannot take over from one of {} axes", model_.dimension(), from.model_.dimension()));
+    if (from.tool_count() != tool_count()) throw MismatchError(fmt::format("a session of {} tools cannot take over from one of {} tools", tool_count(), from.tool_count()));
     if (const double hold_s = from.options().safety.hold_s; !(model_.options.dt_s <= hold_s / 2))
         throw MismatchError(fmt::format("dt is {:g} s, and the device of the other session holds a force for {:g} s: dt must be at most half of that", model_.options.dt_s, hold_s));
     for (std::size_t k = 0; k < followed_.size(); ++k)
         if (from.tools_[k].touched >= 0 && from.tools_[k].contacts != followed_[k])
-            throw MismatchError("the tool has begun another contact since it was followed: follow it again with a new session");
-    for (const ToolState& theirs : from.tools_)
+            throw MismatchError("the tool has made a new contact since follow(): follow it again with a new session");
+    for (const ToolState& theirs : from.tools_) {
+        if (theirs.grasps) throw MismatchError("a tool grasps the tissue: release it before another model takes over");
         for (const auto& mesh : model_.meshes) check_device(theirs.options.device, theirs.options.map, model_.options.dt_s, *mesh);
+    }
 }
 
 }  // namespace tissue

@@ -20,20 +20,22 @@ TISSUE_HOT void average(int n, double gamma, const double* __restrict set, doubl
 
 namespace {
 
-constexpr double swings_out_s = 0.5;  ///< a tool that touches again so soon meets what its last contact has left in motion, and belongs to it
-constexpr double carried_s = 0.1;    ///< the force of a session that was taken over fades with this time constant
-constexpr int most_periods = 16;  ///< that a mesh goes through in one tick, to make up for late ones
+/// A tool that touches again within this time meets tissue that still moves from its last contact, and belongs to that
+/// contact's energy.
+constexpr double swings_out_s = 0.5;
+constexpr double carried_s = 0.1;    ///< time constant with which the force of a session that was taken over fades
+constexpr int most_periods = 16;  ///< largest number of dt that a mesh advances in one tick, to make up for late ticks
 
 }  // namespace
 
 Simulation::Simulation(const HapticModel& model) : model_(model), due_s_(model.meshes.size(), 0.0), spare_s_(due_s_), period_s_(model.options.dt_s) {
     std::vector<ToolMemory> tool_memory;
     for (const auto& mesh : model.meshes) {
-        laws_.push_back(mesh->law ? std::make_unique<RealtimeLaw>(*mesh->law) : nullptr);
+        energy_models_.push_back(mesh->law ? std::make_unique<RealtimeEnergyModel>(*mesh->law) : nullptr);
         states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
         surfaces_.push_back(make_moving_surface(model.rest));
         dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs,
-                                          {model.options.dt_s / mesh->substeps, mesh->damping_1_s, laws_.back().get()}));
+                                          {model.options.dt_s / mesh->substeps, mesh->damping_1_s, energy_models_.back().get()}));
         tool_memory.emplace_back();
         if (!mesh->law) continue;
         const double step_s = model.options.dt_s / mesh->substeps;
@@ -46,17 +48,17 @@ Simulation::Simulation(const HapticModel& model) : model_(model), due_s_(model.m
     place_surfaces();
 }
 
-void Simulation::law_changed() noexcept {
-    if (!model_.is_law()) return;
+void Simulation::energy_model_changed() noexcept {
+    if (!model_.is_energy_model()) return;
     for (ToolState& t : tools_) {
         if (t.touched < 0) continue;
-        Point push_m[2];  // before the contact becomes another
+        Point push_m[2];  // tool displacement on each mesh, before the contact changes
         for (std::size_t m = 0; m < t.memory.size(); ++m)
             if (!t.memory[m].empty())
                 push_m[m] = static_cast<int>(m) == t.touched ? push_of(t, t.record.master_m, m)
                                                              : t.spring.push_at(-t.record.coupling_N, states_[m].displacement, &t.memory[m]);
         t.changed = t.spring;
-        laws_[0]->contact(t.contact.where.facet, t.contact.where.weight, t.changed.growth(), t.spring);
+        energy_models_[0]->contact(t.contact.where.facet, t.contact.where.weight, t.changed.growth(), t.spring);
         for (std::size_t m = 0; m < t.memory.size(); ++m)
             if (push_m[m].size() > 0) t.spring.take_over(t.changed, push_m[m], states_[m].displacement, t.memory[m]);
     }
@@ -90,7 +92,8 @@ void Simulation::rest_meshes() noexcept {
     rested_s_ = record().time_s;
 }
 
-/// What is no duration says that nobody knows how late the tick is: as late as the device holds a force.
+/// Time since the last tick. An elapsed_s that is no duration means that it is unknown: then as long as the device
+/// holds a force.
 static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
     constexpr double longest_s = 3600;
     if (elapsed_s == 0) return o.dt_s;
@@ -98,25 +101,34 @@ static double since_last_s(double elapsed_s, const HapticOptions& o) noexcept {
     return std::isfinite(o.safety.hold_s) ? std::min(o.safety.hold_s, longest_s) : force_held_s;
 }
 
-/// Time that is owed is made up for while a tick costs less than half of the time that it goes through. Where it costs more, in two ticks one after the other (one alone was interrupted), a tick
-/// that goes through all that is owed makes the next one late, which then owes more. Such a tick goes through the usual time between ticks and a tenth more: a host that keeps up loses none while its periods stray by less than that.
-/// Where it would cost more than 0.9 of that time, it goes through less, so that it costs 0.9. The usual time follows a shorter one at once and a longer one slowly: a stall changes nothing, nor does one tick that comes in less than half of it,
-/// and ticks that were long become short again. What is owed beyond that is lost. A tick always goes through dt.
+/// Limits the time by which meshes advance in this tick (longest_s_). Time that is owed from late ticks is made up for
+/// while a tick costs less than 0.45 of the time by which it advances.
+///
+/// If two ticks in a row cost more (a single one may have been interrupted), a tick that makes up for all owed time
+/// would delay the next one, which would owe more. Then a tick advances by 1.1 times the usual time between ticks at
+/// most. A host that keeps up loses no time while its periods vary by less than that. If this would cost more than 0.9
+/// of the usual time, the tick advances by less, so that it costs 0.9 of it. Time owed beyond the limit is lost. A tick
+/// always advances by dt.
+///
+/// The usual time follows a shorter time at once and a longer one slowly. So a stall does not change it, and ticks that
+/// were long become short again. A single tick after less than half of it does not change it either.
 void Simulation::keep_ticks_short(double since_s, double cost_s) noexcept {
     constexpr double half = 0.45, most = 0.9, growth = 1.02, strays = 1.1;
-    if (went_s_ > 0) cost_[0] = std::exchange(cost_[1], std::max(0.0, cost_s) / went_s_);
-    const bool early = since_s < usual_s_ / 2 && since_[0] >= usual_s_ / 2;  // once, as after a stall
+    if (advanced_s_ > 0) cost_[0] = std::exchange(cost_[1], std::max(0.0, cost_s) / advanced_s_);
+    const bool early = since_s < usual_s_ / 2 && since_[0] >= usual_s_ / 2;  // a single early tick, as after a stall
     if (!early) usual_s_ = usual_s_ > 0 ? std::min(since_s, growth * usual_s_) : since_s;
     const double least = cost_s > 0 ? std::min(cost_[0], cost_[1]) : 0;
     longest_s_ = least > half ? std::max(model_.options.dt_s, std::min(strays, most / least) * usual_s_) : std::numeric_limits<double>::infinity();
-    went_s_ = 0;
+    advanced_s_ = 0;
 }
 
-/// The tissue has to come to the end of the time in which this tick's force is held, which will be as long as the ticks before were. One tick that comes much later than dt was
-/// stalled, and does not count; after two in a row the host is slow.
+/// Adds the time since the last tick to what meshes owe. They have to reach the end of the time for which this tick's
+/// force is held. That time is predicted as the mean time between ticks, period_s_. One tick that comes much later than
+/// dt was stalled and does not count in the mean; after two in a row the host is slow.
 void Simulation::time_passes(double seconds) noexcept {
     constexpr double longest_debt_s = 0.5;
-    const double longest_period_s = std::max(longest_dt_s, 4 * model_.options.dt_s) * (1 + 1e-9);  // a clock's differences are rounded
+    // a clock's differences are rounded
+    const double longest_period_s = std::max(longest_dt_s, 4 * model_.options.dt_s) * (1 + 1e-9);
     since_[0] = std::exchange(since_[1], seconds);
     if (seconds <= longest_period_s || steady_s() > longest_period_s)
         period_s_ += std::max(0.02, 1 / static_cast<double>(counters_.ticks)) * (std::min(seconds, slowest_period_s) - period_s_);
@@ -126,10 +138,10 @@ void Simulation::time_passes(double seconds) noexcept {
         if (&due_s == &due_s_.front()) counters_.lost_s += due_s - longest_debt_s;
         due_s = longest_debt_s;
     }
-    pass_untouched(std::min(seconds, longest_debt_s));  // of a stall, what meshes go through
+    pass_untouched(std::min(seconds, longest_debt_s));  // of a stall only the time that meshes go through
 }
 
-/// Since a tool or its force was on the meshes.
+/// Time since any tool or its force was on the meshes.
 double Simulation::untouched_s() const noexcept {
     double least_s = tools_.front().untouched_s;
     for (const ToolState& t : tools_) least_s = std::min(least_s, t.untouched_s);
@@ -143,9 +155,10 @@ void Simulation::pass_untouched(double seconds) noexcept {
 int Simulation::steps_due(std::size_t m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
     const double dt_s = model_.options.dt_s, h = dt_s / mesh.substeps;
-    const bool too_dear = longest_s_ < usual_s_;  // steps are rounded down then
+    const bool too_dear = longest_s_ < usual_s_;  // then steps are rounded down
     const double longest_s = too_dear ? h * std::floor(longest_s_ / h * (1 + 1e-9)) : longest_s_ + spare_s_[m];
-    const double most_s = std::max({most_periods * dt_s, 2 * period_s_, steady_s()});  // or a slow host would never catch up
+    // else a slow host would never catch up
+    const double most_s = std::max({most_periods * dt_s, 2 * period_s_, steady_s()});
     double left_s = due_s_[m] - dt_s + period_s_;
     if (const double lost_s = left_s - longest_s; lost_s > 1e-6 * h) {
         due_s_[m] -= lost_s;
@@ -155,13 +168,13 @@ int Simulation::steps_due(std::size_t m) noexcept {
     const int steps = std::max(0, static_cast<int>(std::lround(std::min(left_s, most_s) / h)));
     spare_s_[m] = too_dear ? 0 : std::min(longest_s - steps * h, h / 2);
     due_s_[m] -= steps * h;
-    went_s_ = std::max(went_s_, steps * h);
+    advanced_s_ = std::max(advanced_s_, steps * h);
     return steps;
 }
 
 namespace {
 
-/// Of a caller who has one tool's sample: what the other tools have.
+/// Samples of all tools for a caller that has one tool's sample: those of other tools are invalid.
 struct OneSample {
     explicit OneSample(const DeviceSample& sample) {
         samples[0] = sample;
@@ -186,7 +199,7 @@ void Simulation::tick(const DeviceSample* samples, Eigen::Vector3d* force_N, dou
     for (ToolState& t : tools_) t.record.overrun = counters_.lost_s > lost_s;
 }
 
-/// What the tick leaves behind of a tool, before anything has happened.
+/// Starts the tick's record of a tool, before anything has happened.
 void Simulation::begin_record(ToolState& t, const DeviceSample& sample, double since_s) noexcept {
     const TickRecord last = t.record;
     t.record = {};
@@ -199,11 +212,19 @@ void Simulation::begin_record(ToolState& t, const DeviceSample& sample, double s
     t.same_position_s += since_s;
 }
 
-/// The master to where the device is, where safety admits that.
+/// Begins a grasp where it was not asked for in the tick before, and the contact has a force of its own.
+void Simulation::begin_grasp(ToolState& t) noexcept {
+    if (!t.record.grasp || std::exchange(t.grasp_was_on, t.record.grasp) || !t.contact.pressing || !on_energy_model(t) || !model_.grasps) return;
+    t.grasps = true;
+    t.friction.begin();
+}
+
+/// Moves the master to the device's position, if safety admits it.
 void Simulation::move_hand(ToolState& t, const DeviceSample& sample, double since_s) noexcept {
     const long long late = t.safety.counters().late;
     const bool admitted = t.safety.admit(sample, since_s + std::exchange(t.stood_s, 0.0));
     t.record.late = t.safety.counters().late > late;
+    if (t.record.late) t.grasps = false;
     if (!admitted) {
         t.record.status = TickStatus::refused;
         return;
@@ -217,7 +238,7 @@ void Simulation::move_hand(ToolState& t, const DeviceSample& sample, double sinc
     t.follow_hand(t.record.master_m - last_m, sample.age_s);
 }
 
-/// In the mode of tick(): out of line, so that nothing of it is computed before or after.
+/// Runs in the floating-point mode of tick(). Not inlined, so that nothing of it is computed before or after that mode.
 __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, Eigen::Vector3d* force_N, double elapsed_s, double cost_s) noexcept {
     if (std::any_of(samples, samples + tools_.size(), [](const DeviceSample& sample) { return sample.reset; })) reset();
     ++counters_.ticks;
@@ -227,7 +248,12 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
     time_passes(since_s);
     keep_ticks_short(since_s, cost_s);
     const Point last_N = record().coupling_N;
-    for (std::size_t k = 0; k < tools_.size(); ++k) begin_record(tools_[k], samples[k], since_s);
+    for (std::size_t k = 0; k < tools_.size(); ++k) {
+        begin_record(tools_[k], samples[k], since_s);
+        ToolState& t = tools_[k];
+        t.record.grasp = samples[k].grasp || t.grasp_asked;
+        if (!t.record.grasp) t.grasps = t.grasp_was_on = false;
+    }
     reset_ = false;
 
     const bool lost = put_to_rest();
@@ -251,16 +277,17 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
             continue;
         }
         if (!t.armed) t.record.status = TickStatus::not_armed;
+        begin_grasp(t);
     }
     if (folded) ++counters_.folded;
 
     // 4.3 selection of mesh constants, and their moving average (18)-(19)
-    if (!model_.is_law()) {
+    if (!model_.is_energy_model()) {
         if (tools_[0].contact.pressing) select_set(tools_[0], -last_N);
         average_stiffness();
     }
 
-    // 4.1 deformation, with the coupling force of 4.2 on the segment's end nodes, on every mesh alike (4.4)
+    // 4.1 deformation of every mesh (4.4), with the coupling force of 4.2 on the segment's end nodes
     step_meshes();
     if (put_to_rest())
         for (ToolState& t : tools_) {
@@ -268,11 +295,21 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
             stop(t);
         }
 
+    for (ToolState& t : tools_) {
+        t.record.grasped = t.grasps;
+        // above the device's limit the force on the tissue grows no more
+        const bool too_much = std::isfinite(t.options.grasp_max_N) && held_back(static_cast<int>(&t - tools_.data()));
+        if (!t.grasps || !(too_much || t.record.coupling_N.norm() > t.options.grasp_max_N)) continue;
+        t.grasps = false;
+        ++t.let_go;
+    }
+
     // safety, device force
     for (std::size_t k = 0; k < tools_.size(); ++k) force_N[k] = force_out(tools_[k], since_s);
 }
 
-/// No contact in this tick, and no force, whatever slew says; none until the master has been outside.
+/// Ends the contact in this tick. There is no force, at once and without the limit of slew, until the master has been
+/// outside.
 void Simulation::stop(ToolState& t) noexcept {
     if (t.record.fault()) t.velocity_m_s.setZero();
     t.record.coupling_N.setZero();
@@ -284,11 +321,11 @@ void Simulation::stop(ToolState& t) noexcept {
     t.record.proxy_m = t.contact.proxy_m;
 }
 
-/// What goes out to the device of a tool, whose force on the tissue the tick has found.
+/// Force for the device of a tool, from the tool's force on the tissue in this tick.
 Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
     const TickStatus status = t.record.status;
     if (status != TickStatus::done && status != TickStatus::not_armed) return t.record.device_N = t.safety.stop();
-    if (model_.is_law()) t.record.contact_displacement_m = displacement_at_contact(0, static_cast<int>(&t - tools_.data()));
+    if (model_.is_energy_model()) t.record.contact_displacement_m = displacement_at_contact(0, static_cast<int>(&t - tools_.data()));
     if (t.untouched_s > swings_out_s && t.safety.force_N().isZero(0)) t.safety.forget_credit();
     if (!t.armed) return t.record.device_N = t.safety.stop();
     Eigen::Vector3d wanted = t.options.map.force_to_device(t.record.coupling_N);
@@ -301,7 +338,9 @@ Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
         t.carried_N.setZero();
     }
     const double fades = std::exp(-since_s / carried_s);
-    if (t.carried > 0) {  // the contact slips to where the hand is by now, and the tissue swings from that: its force comes in slowly
+    // the contact slips to the present position of the hand, which makes the tissue oscillate: its force is blended in
+    // slowly
+    if (t.carried > 0) {
         wanted += t.carried * (t.carried_N - wanted);
         t.carried *= fades;
     } else {
@@ -312,28 +351,31 @@ Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
     return t.record.device_N = t.safety.limit(wanted, !t.clutched);
 }
 
-Eigen::Vector3d Simulation::stand_still(const DeviceSample& sample, double passed_s) noexcept {
+Eigen::Vector3d Simulation::skip_tick(const DeviceSample& sample, double passed_s) noexcept {
     OneSample one(sample);
-    stand_still(one.samples, one.force_N, passed_s);
+    skip_tick(one.samples, one.force_N, passed_s);
     return one.force_N[0];
 }
 
-void Simulation::stand_still(const DeviceSample* samples, Eigen::Vector3d* force_N, double passed_s) noexcept {
+void Simulation::skip_tick(const DeviceSample* samples, Eigen::Vector3d* force_N, double passed_s) noexcept {
     const FlushDenormals mode;
     if (std::any_of(samples, samples + tool_count(), [](const DeviceSample& s) { return s.reset; })) reset();
     for (int k = 0; k < tool_count(); ++k) {
         ToolState& t = of(k);
+        constexpr double moved_m = 1e-3;
+        if (!(samples[k].grasp || t.grasp_asked)) t.grasps = t.grasp_was_on = false;
+        if (!((samples[k].position_m - t.record.device_m).norm() < moved_m)) t.grasps = false;
         if (t.safety.force_N().isZero(0))
             t.stood_s += passed_s;
         else if (!t.safety.admit(samples[k], passed_s))
             t.disarm(t.record.master_m);
         else
-            t.safety.begin_way();  // or the next tick would take the way of both periods for its own
+            t.safety.begin_way();  // else the next tick would take the motion of both periods for its own
         force_N[k] = t.record.device_N = t.safety.stop();
     }
 }
 
-/// Surfaces to where the meshes are.
+/// Moves surfaces to the positions of the meshes.
 void Simulation::place_surfaces() noexcept {
     for (std::size_t m = 0; m < states_.size(); ++m) {
         const HapticMesh& mesh = *model_.meshes[m];
@@ -341,8 +383,9 @@ void Simulation::place_surfaces() noexcept {
     }
 }
 
-/// A law, and springs that turn, have other rests than their own: tissue drawn through itself, inside out, stays so. True where nothing has
-/// touched a mesh for so long that damping has left e^-5 of any swing, and it still is a tenth of the nodes' distance away.
+/// Energy models and springs that turn have equilibria other than rest: tissue that was drawn through itself stays
+/// inverted. True where nothing has touched a mesh for so long that damping has left e^-5 of any oscillation, and a
+/// displacement is still above a tenth of the nodes' spacing.
 bool Simulation::come_to_rest_elsewhere() const noexcept {
     const double untouched_s = this->untouched_s();
     for (std::size_t m = 0; m < states_.size(); ++m) {
@@ -354,8 +397,9 @@ bool Simulation::come_to_rest_elsewhere() const noexcept {
     return false;
 }
 
-/// Puts meshes to rest that have flown apart, or came to rest elsewhere; true when it had to. Before and after the steps of every tick, also of those
-/// whose input is refused: meshes go on then.
+/// Puts all meshes to rest where one has diverged or has settled in another equilibrium; returns true then. Called
+/// before and after the steps of every tick. That includes ticks whose input is refused, since meshes advance in them
+/// too.
 bool Simulation::put_to_rest() noexcept {
     constexpr double apart_m = 1e3;
     bool lost = come_to_rest_elsewhere();
@@ -366,7 +410,8 @@ bool Simulation::put_to_rest() noexcept {
     return true;
 }
 
-/// 4.3: from where the contact is and how far the learned mesh gave way there, or from the force on it a tick ago.
+/// 4.3: selects the set by the place of the contact and the learned mesh's displacement there, or the force on it a
+/// tick ago.
 void Simulation::select_set(ToolState& t, const Point& on_tissue_N) noexcept {
     const Cells& facets = model_.meshes[0]->springs.facets();
     const double w = t.contact.where.weight[1];
@@ -377,7 +422,8 @@ void Simulation::select_set(ToolState& t, const Point& on_tissue_N) noexcept {
     t.record.contact_displacement_m = displacement;
 }
 
-/// (19): K^t = gamma K_l + (1 - gamma) K^{t-1} of each dt that has passed, on theta, in which K is linear. The heuristic mesh has one set.
+/// (19): K^t = gamma K_l + (1 - gamma) K^{t-1} for each dt that has passed, applied to theta, in which K is linear. The
+/// heuristic mesh has one set.
 void Simulation::average_stiffness() noexcept {
     MeshState& learned = states_[0];
     const double gamma = *model_.options.innovation, periods = since_[1] / model_.options.dt_s;

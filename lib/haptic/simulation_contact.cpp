@@ -1,4 +1,5 @@
-// Where a tool touches the meshes, and whether it still does. How contacts slide and meshes advance is in simulation_steps.cpp.
+// Contact detection of Simulation: where a tool touches the meshes, and whether it still does. Sliding and time steps
+// are in simulation_steps.cpp.
 #include "haptic/simulation.h"
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 
 namespace tissue {
 
-/// Surfaces to where the meshes are, and which of them are simple now.
+/// Moves surfaces to the positions of the meshes, and determines which of them do not cross themselves.
 void Simulation::move_surfaces() noexcept {
     place_surfaces();
     sound_ = true;
@@ -16,14 +17,15 @@ void Simulation::move_surfaces() noexcept {
     }
 }
 
-/// Whether a surface crosses itself, and there is no inside. A contact asks that of the touched mesh alone: the force is that one's, and the mesh beside it, which is only
-/// shown, must not end it.
+/// Whether a surface crosses itself, so that there is no inside. In contact only the touched mesh counts: the force is
+/// that mesh's, and the mesh beside it, which is only displayed, must not end the contact.
 bool Simulation::is_folded(const ToolState& t) const noexcept {
     return t.touched >= 0 ? !simple_[t.touched] : !sound_;
 }
 
-/// The proxy of 4.2 against the mesh in contact, or against each while there is none. Before the master has once been
-/// outside there is no contact. False when there is no inside, and when two meshes lie in one place and both hold the proxy.
+/// Updates the proxy of 4.2 against the touched mesh, or without contact against each mesh. There is no contact before
+/// the master has been outside once. False where there is no inside, and where two meshes overlap and the proxy of one
+/// is inside the other.
 bool Simulation::find_contact(ToolState& t) noexcept {
     if (is_folded(t)) return false;
     const Point& master_m = t.record.master_m;
@@ -32,12 +34,12 @@ bool Simulation::find_contact(ToolState& t) noexcept {
     } else if (t.touched >= 0) {
         const int left = t.touched;
         ContactState from = t.contact;
-        if (on_law(t))
+        if (on_energy_model(t))
             hold_tool(t);
         else if (update_contact(*surfaces_[static_cast<std::size_t>(left)], master_m, t.contact) == ContactRow::swallowed_release)
-            begin_contact(t, left);  // at another place of the same surface
+            begin_contact(t, left);  // the proxy was put on another place of the same surface
         from.contact = false;
-        if (!t.contact.contact && !sound_) return false;  // whether the other mesh is touched now, nobody can say
+        if (!t.contact.contact && !sound_) return false;  // contact with the other mesh is undefined
         if (!t.contact.contact) look_for_contact(t, from, left);
     } else {
         look_for_contact(t, ContactState(t.contact), -1);
@@ -48,7 +50,7 @@ bool Simulation::find_contact(ToolState& t) noexcept {
     return true;
 }
 
-/// A contact at a new place: it has its own stiffness, or patch.
+/// Starts a contact at a new place, with the stiffness or patch of that place.
 void Simulation::begin_contact(ToolState& t, int mesh) noexcept {
     const Point& master_m = t.record.master_m;
     t.touched = mesh;
@@ -62,7 +64,7 @@ void Simulation::begin_contact(ToolState& t, int mesh) noexcept {
     t.touched_m = pressed.springs.rest_place(t.contact.where.facet, t.contact.where.weight);
     t.spring.grow({});
     lay_tool(t, push_of(t, t.at_the_end(master_m, period_s_), static_cast<std::size_t>(mesh)));
-    t.show_no_more(on_law(t));
+    t.show_no_more(on_energy_model(t));
     for (ToolMemory& memory : t.memory) memory.forget();
     if (pressed.law)
         t.contact.pressing = tool_pushes(t, t.at_the_end(master_m, period_s_));
@@ -70,37 +72,47 @@ void Simulation::begin_contact(ToolState& t, int mesh) noexcept {
         t.coupling_N_m = *model_.options.coupling_ratio * model_.stiffness->at(t.contact.where.facet, t.contact.where.weight[1]);
 }
 
-/// The law's contact where the tool is, at that push.
+/// Sets the energy model's contact at the tool's place, for that tool displacement.
 void Simulation::lay_tool(ToolState& t, const Point& push_m) noexcept {
-    if (model_.is_law()) laws_[0]->contact(t.contact.where.facet, t.contact.where.weight, push_m, states_[static_cast<std::size_t>(t.touched)].displacement, t.spring);
+    if (model_.is_energy_model()) energy_models_[0]->contact(t.contact.where.facet, t.contact.where.weight, push_m, states_[static_cast<std::size_t>(t.touched)].displacement, t.spring);
 }
 
-/// Whether the tool, held at a place, such as where it will be at the time to which the mesh has come, pushes the law's tissue in: its force has a part along the rest's inward normal, whole or
-/// without the imprint on single nodes. That swings fast where it is stiff; a contact let go at each swing would be pumped up by them.
+/// Whether the tool at tool_m pushes into the energy model's tissue: its force has a positive part along the inward
+/// normal at rest. Both the whole force and the force without the imprint on single nodes are tried. The imprint
+/// oscillates fast where it is stiff, and a contact released at each oscillation would feed energy into it. tool_m is,
+/// for example, the tool's position at the time to which the mesh has advanced. A tool that grasps also pulls.
 bool Simulation::tool_pushes(const ToolState& t, const Point& tool_m) const noexcept {
+    if (t.grasps) return true;
     const auto m = static_cast<std::size_t>(t.touched);
     const Point push = push_of(t, tool_m, m);
     const NodeColumns& u = states_[m].displacement;
     const ToolMemory& memory = t.memory[m];
-    return t.spring.mean_N(push, u, &memory).dot(t.spring.inward()) > 0 || t.spring.hand_N(push, u, &memory).dot(t.spring.inward()) > t.spring.growth().force_N;
+    return t.spring.mean_N(push, u, &memory).dot(t.spring.inward()) > 0 || t.spring.tool_force_N(push, u, &memory).dot(t.spring.inward()) > t.spring.growth().force_N;
 }
 
-/// A law's contact keeps its place, and presses while it pushes the tool out. The surface does not say whether:
-/// the patch's spline is smoother, and the tool may lie on either side of it. Contact ends when the patch does not push and the
-/// tool is out of the surface, or when it is farther out of it than the surface's nodes lie apart, which no patch explains. Where ticks come less often than dt, tissue that
-/// swings may be away from the tool at one tick and back before the next. There a contact lasts for one period of the lowest mode while the tool is deeper than where it touched the tissue at rest, and no
-/// farther along the surface than deep: a contact that ended and began at every tick would feed energy into the tissue.
+/// Updates an energy model's contact, which keeps its place. It presses while its force pushes the tool out
+/// (tool_pushes()). The surface does not decide that: the patch's spline is smoother than the surface, and the tool may
+/// lie on either side of it.
+///
+/// The contact ends if it does not press and the tool is outside the surface. It also ends if the tool is farther
+/// outside than the spacing of the surface's nodes, which is more than spline and surface differ by.
+///
+/// Where ticks come less often than dt, oscillating tissue may be away from the tool at one tick and back before the
+/// next. There a contact that does not press lasts for one period of the lowest mode, while the tool is deeper than the
+/// point at rest that it touched, and its displacement along the surface is less than its depth. A contact that ended
+/// and began at every tick would feed energy into the tissue.
 void Simulation::hold_tool(ToolState& t) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     const MovingSurface& surface = *surfaces_[m];
     const Point& master_m = t.record.master_m;
-    if (laws_[0]->contact_grows()) lay_tool(t, t.spring.shown_push(push_of(t, end_of(t), m), states_[m].displacement));
+    if (energy_models_[0]->contact_grows()) lay_tool(t, t.spring.shown_push(push_of(t, end_of(t), m), states_[m].displacement));
     t.contact.pressing = tool_pushes(t, end_of(t));
-    const Point inward = t.spring.inward(), placed = push_of(t, t.at_m, m);  // the contact was laid for the tool there
+    // of the tool for which the contact was set
+    const Point inward = t.spring.inward(), placed = push_of(t, t.at_m, m);
     const double in_m = push_of(t, master_m, m).dot(inward), swing_s = 1 / std::max(model_.meshes[m]->lowest_frequency_Hz, 1.0);
     const bool waits = !t.contact.pressing && period_s_ > 1.5 * model_.options.dt_s && t.untouched_s < swing_s && in_m > (placed - placed.dot(inward) * inward).norm();
-    if (!surface.contains(master_m) &&
-        ((!t.contact.pressing && !waits) || surface.nearest(master_m).distance_m > laws_[m]->spacing_m())) {
+    if (!t.grasps && !surface.contains(master_m) &&
+        ((!t.contact.pressing && !waits) || surface.nearest(master_m).distance_m > energy_models_[m]->spacing_m())) {
         t.contact.contact = t.contact.pressing = false;
         t.contact.proxy_m = master_m;
         return;
@@ -110,7 +122,8 @@ void Simulation::hold_tool(ToolState& t) noexcept {
     t.contact.proxy_m = t.contact.where.position_m;
 }
 
-/// A free proxy, on its way from where it was to the master, against every mesh but the one it has just left.
+/// Checks the path of a free proxy, from its last position to the master, against every mesh except the one it has just
+/// left.
 void Simulation::look_for_contact(ToolState& t, const ContactState& from, int left) noexcept {
     for (std::size_t m = 0; m < surfaces_.size(); ++m) {
         if (static_cast<int>(m) == left) continue;
@@ -121,7 +134,7 @@ void Simulation::look_for_contact(ToolState& t, const ContactState& from, int le
     }
 }
 
-/// No contact yet: the proxy is the master's, or while that is inside, the nearest place on the surface.
+/// No contact yet: the proxy is at the master, or at the nearest point of the surface while the master is inside.
 void Simulation::wait_for_outside(ToolState& t) noexcept {
     const Point& master_m = t.record.master_m;
     t.no_contact(master_m);
@@ -150,9 +163,9 @@ Point Simulation::displacement_at_contact(std::size_t mesh, int tool) const noex
 
 void Simulation::seen(std::size_t mesh, NodeColumns& displacement_m) const noexcept {
     displacement_m = states_[mesh].displacement;
-    if (!laws_[mesh]) return;
+    if (!energy_models_[mesh]) return;
     for (int k = 0; k < tool_count(); ++k)
-        if (const TickRecord& r = record(k); r.mesh >= 0) laws_[mesh]->show_skin(r.facet, {r.weight[0], r.weight[1], r.weight[2]}, displacement_at_contact(mesh, k), displacement_m);
+        if (const TickRecord& r = record(k); r.mesh >= 0) energy_models_[mesh]->show_skin(r.facet, {r.weight[0], r.weight[1], r.weight[2]}, displacement_at_contact(mesh, k), displacement_m);
 }
 
 }  // namespace tissue

@@ -1,4 +1,5 @@
-// The steps of a tick: meshes and the contacts on them advance in time, and contacts slide. Where a tool touches is in simulation_contact.cpp.
+// Time steps of Simulation: meshes and contacts advance in time, and contacts slide. Contact detection is in
+// simulation_contact.cpp.
 #include "haptic/simulation.h"
 
 #include <algorithm>
@@ -6,18 +7,21 @@
 
 namespace tissue {
 
-/// How far a law's tool at a place is outside the cone of friction, along the surface, of nodes that are displaced by u.
+/// How far an energy model's tool at tool_m is outside the friction cone [m] (D), along the surface, with nodes
+/// displaced by u.
 Point Simulation::outside_cone(const ToolState& t, const Point& tool_m, const NodeColumns& u) const noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
+    if (t.grasps) return Point::Zero(tool_m.size());
     return t.friction.outside(push_of(t, tool_m, m), u, t.spring, t.memory[m]);
 }
 
-/// Where a tool will be at the end of the time in which this tick's force is held. Along the surface it is not led farther than friction holds it: a contact that slid for a hand that
-/// was expected would stay there when the hand stops. Spring sets have one step a tick, and are led.
+/// Predicted position of a tool at the end of the time for which this tick's force is held. On an energy model the
+/// prediction is cut where it leaves the friction cone along the surface: a contact that slid for a predicted hand
+/// would stay there when the hand stops. On spring sets it is not cut.
 Point Simulation::end_of(const ToolState& t) const noexcept {
     const Point& master_m = t.record.master_m;
     const Point end_m = t.at_the_end(master_m, period_s_);
-    if (t.touched < 0 || !on_law(t) || !t.friction.finite()) return end_m;
+    if (t.touched < 0 || !on_energy_model(t) || !may_slip(t)) return end_m;
     const Point outside_m = outside_cone(t, end_m, states_[static_cast<std::size_t>(t.touched)].displacement);
     const double far_m = outside_m.norm();
     if (!(far_m > 0)) return end_m;
@@ -25,16 +29,18 @@ Point Simulation::end_of(const ToolState& t) const noexcept {
     return end_m - std::clamp((end_m - master_m).dot(direction), 0.0, far_m) * direction;
 }
 
-/// The contact goes along the surface where the tool, at the time to which the mesh has come (on spring sets where it was measured), is outside the cone of friction.
+/// Moves the contact along the surface where the tool is outside the friction cone. The tool is taken at the time to
+/// which the mesh has advanced; on spring sets, at its measured position.
 Simulation::Slip Simulation::slide(ToolState& t) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     const HapticMesh& mesh = *model_.meshes[m];
     const MovingSurface& now = *surfaces_[m];
+    if (t.grasps) return {Point::Zero(model_.dimension()), Point::Zero(model_.dimension()), false};
     Slip slip;
     slip.went_on = t.friction.slipping();
     if (mesh.law) {
         slip.slid_m = -t.touched_m;
-        slip.drags = t.friction.slide(model_.surface, mesh.springs, *laws_[0], states_[m].displacement, t.at_m - mesh.place_m, t.contact.where, t.touched_m, t.spring,
+        slip.drags = t.friction.slide(model_.surface, mesh.springs, *energy_models_[0], states_[m].displacement, t.at_m - mesh.place_m, t.contact.where, t.touched_m, t.spring,
                                       t.memory[m], t.memory.size() > 1 ? &t.memory[1 - m] : nullptr);
         slip.slid_m += t.touched_m;
         t.contact.where.position_m = now.at(t.contact.where.facet, t.contact.where.weight);
@@ -42,7 +48,8 @@ Simulation::Slip Simulation::slide(ToolState& t) noexcept {
         slip.slid_m = -t.contact.where.position_m;
         slip.drags = t.friction.slide(model_.surface, mesh.springs, now, t.coupling_N_m, t.record.master_m, t.contact.where);
         slip.slid_m += t.contact.where.position_m;
-        if (t.friction.slipping()) lay_tool(t, push_of(t, t.at_m, m));  // the law's mesh beside gets the force there
+        // an energy model beside gets the force at the new place
+        if (t.friction.slipping()) lay_tool(t, push_of(t, t.at_m, m));
     }
     t.contact.proxy_m = t.contact.where.position_m;
     slip.went_on = slip.went_on && t.friction.slipping();
@@ -50,17 +57,21 @@ Simulation::Slip Simulation::slide(ToolState& t) noexcept {
     return slip;
 }
 
-/// How far a contact goes along with its tool while that goes from at_m to to_m (D), so that the force stays on the cone. One that slips goes on as it did, since tissue moves beneath it;
-/// one that reaches the cone on the way goes as far as the tool then is outside. It is laid there with the next step, when the tissue has answered.
+/// Displacement of a contact [m] (D) while its tool moves from at_m to to_m, with which the force stays on the friction
+/// cone. A contact that slips keeps its ratio to the tool's motion, since the tissue below it moves. A contact that
+/// reaches the cone on the way goes as far as the tool is then outside the cone. The contact itself is moved in the
+/// next step, after the tissue has responded.
 Point Simulation::glide(ToolState& t, const Slip& slip, const Point& to_m, double seconds) noexcept {
     constexpr double most = 2;
     const Point way_m = to_m - t.at_m;
-    if (!on_law(t)) {  // as fast as it has slid since the last step; not where it was taken over, since then the hand moved under another session
+    // at the speed of its sliding since the last step; 0 after a take-over, since the hand then moved in another
+    // session
+    if (!on_energy_model(t)) {
         t.slide_m_s = t.taken_over ? Point(Point::Zero(way_m.size())) : Point((t.slid_m + slip.slid_m) / seconds);
         t.slid_m.setZero();
         return seconds * t.slide_m_s;
     }
-    if (!t.friction.finite()) return Point::Zero(way_m.size());
+    if (!may_slip(t)) return Point::Zero(way_m.size());
     if (slip.drags.isZero(0)) {
         const MeshState& state = states_[static_cast<std::size_t>(t.touched)];
         held_ = state.displacement + seconds * state.velocity;
@@ -70,16 +81,17 @@ Point Simulation::glide(ToolState& t, const Slip& slip, const Point& to_m, doubl
     }
     const double moved_m = t.went_m.dot(slip.drags);
     if (!slip.went_on) t.share = 1;
-    else if (moved_m > 0) t.share += (std::clamp(slip.slid_m.dot(slip.drags) / moved_m, 0.0, most) - t.share) / 2;  // at once it would swing where friction is little
+    // half of the change: the whole of it would oscillate where friction is low
+    else if (moved_m > 0) t.share += (std::clamp(slip.slid_m.dot(slip.drags) / moved_m, 0.0, most) - t.share) / 2;
     return t.share * std::max(0.0, way_m.dot(slip.drags)) * slip.drags;
 }
 
-/// What a tool does to a mesh: the hand holds it on the mesh that it touches, and the others get its force.
+/// Load of a tool on a mesh: on the touched mesh the tool is held by the hand; other meshes get the tool's force.
 ContactLoad Simulation::load_of(ToolState& t, std::size_t m) noexcept {
     ContactLoad load;
-    load.tool = laws_[m] ? &t.spring : nullptr;
+    load.tool = energy_models_[m] ? &t.spring : nullptr;
     load.memory = t.memory[m].empty() ? nullptr : &t.memory[m];
-    if (!model_.is_solid())  // on springs the ends of the segment, on a law its own contact
+    if (!model_.is_solid())  // spring sets are loaded at the ends of the segment, an energy model by its own contact
         for (int end : {0, 1}) {
             load.node[end] = model_.meshes[m]->springs.facets()(t.contact.where.facet, end);
             load.weight[end] = t.contact.where.weight[end];
@@ -96,16 +108,18 @@ ContactLoad Simulation::load_of(ToolState& t, std::size_t m) noexcept {
     return load;
 }
 
-/// A tool on the mesh that it touches, in a tick without a step: its force as it stands.
+/// Force of a tool on the mesh that it touches, in a tick without a step.
 void Simulation::stand_on(ToolState& t, std::size_t m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
     const MeshState& state = states_[m];
     if (!mesh.law) t.slid_m += slide(t).slid_m;
     ContactLoad load = load_of(t, m);
-    const Point moved_m = t.at_the_end(t.record.master_m, period_s_) + (model_.options.dt_s - due_s_[m] - period_s_) * t.velocity_m_s - t.at_m;  // since the last step
+    // motion of the tool since the last step
+    const Point moved_m = t.at_the_end(t.record.master_m, period_s_) + (model_.options.dt_s - due_s_[m] - period_s_) * t.velocity_m_s - t.at_m;
     held_ = state.displacement + load.ahead_s * state.velocity;
     if (load.tool) {
-        const Point outside_m = outside_cone(t, t.at_m + moved_m, held_);  // it slides with the next step; till then its force is that on the cone
+        // the contact slides in the next step; until then its force is that on the cone
+        const Point outside_m = outside_cone(t, t.at_m + moved_m, held_);
         const double far_m = outside_m.norm();
         *load.push_m += moved_m - outside_m;
         if (far_m > 0) load.velocity_m_s -= load.velocity_m_s.dot(outside_m) / (far_m * far_m) * outside_m;
@@ -117,8 +131,10 @@ void Simulation::stand_on(ToolState& t, std::size_t m) noexcept {
     t.record.coupling_N = -load.force_at(mesh.springs, held_);
 }
 
-/// A mesh to the end of the time in which this tick's force is held. A tool that is held goes straight on to where the hand will be then, and its record gets
-/// the mean of its force over that time. A tick of two dt or more goes through them one by one: whether a law's tool presses is asked anew in each, or tissue that swings would be let go for as long as the tick is.
+/// Advances a mesh to the end of the time for which this tick's force is held. A tool on it moves on a straight line to
+/// the predicted position of the hand, and its record gets the mean of its force over that time. On an energy model a
+/// tick of two dt or more is done dt by dt. Each part determines anew whether the tool presses; else oscillating tissue
+/// would be released for the whole tick.
 void Simulation::advance_mesh(std::size_t m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
     MeshState& state = states_[m];
@@ -146,7 +162,7 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
     for (int done = 0; done < steps;) {
         const int n = std::min(most, steps - done), last = std::clamp(of_last - (steps - done - n), 0, n);
         ContactLoads loads;
-        int of[most_tools] = {-1, -1};  // which tool a load holds; none where the mesh gets its force alone
+        int of[most_tools] = {-1, -1};  // tool of each load on the touched mesh; -1 for a load that is a force only
         Point on_m[most_tools], slid_m[most_tools];
         for (std::size_t k = 0; k < tools_.size(); ++k) {
             ToolState& t = tools_[k];
@@ -186,7 +202,7 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
         }
 }
 
-/// The tick's record of a tool that presses, or did in a part of it.
+/// Records the contact of a tool that presses, or that pressed in a part of the tick.
 void Simulation::record_contact(ToolState& t) noexcept {
     t.untouched_s = 0;
     t.record.proxy_m = t.contact.proxy_m;
@@ -195,14 +211,15 @@ void Simulation::record_contact(ToolState& t) noexcept {
     t.record.weight = t.contact.where.weight;
 }
 
-/// Every mesh. The touched one goes first: its coupling, or patch, gives the force that the others get as well.
+/// Advances every mesh. The touched one goes first: its coupling or patch gives the force that the others get too.
 void Simulation::step_meshes() noexcept {
     for (ToolState& t : tools_) {
         t.record.proxy_m = t.contact.proxy_m;
-        t.record.set = model_.is_law() ? -1 : set_;
+        t.record.set = model_.is_energy_model() ? -1 : set_;
         if (t.contact.pressing) record_contact(t);
     }
-    const auto first = static_cast<std::size_t>(std::max(tools_[0].touched, 0));  // of two tools there is one mesh
+    // with two tools there is one mesh only
+    const auto first = static_cast<std::size_t>(std::max(tools_[0].touched, 0));
     lost_s_ = 0;
     advance_mesh(first);
     for (std::size_t m = 0; m < states_.size(); ++m)
@@ -218,7 +235,7 @@ void Simulation::step_meshes() noexcept {
     }
 }
 
-/// A law's contact that does not press for a while forgets as time goes by: its gap goes on.
+/// Advances the Maxwell branches of an energy model's contact that does not press: they relax with its present gap.
 void Simulation::remember_contact(ToolState& t, const Point& tool_m, int steps) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     if (t.memory[m].empty()) return;

@@ -14,9 +14,9 @@ class ScaledStiffness {
 
     NodeColumns operator()(const NodeColumns& x) {
         NodeColumns y = root_.asDiagonal() * x;
-        if (mesh_.law().linear_in_displacement()) {  // in the plane alone, where rows are nodes
+        if (mesh_.law().linear_in_displacement()) {  // only in the plane, where rows are nodes
             mesh_.force(theta_, y, force_);
-        } else {  // the isotropic bound
+        } else {  // upper bound: each spring as an isotropic one
             force_.setZero();
             for (int slot : mesh_.slot_of_spring()) {
                 const Eigen::Vector2i ends = mesh_.nodes_of_slot(slot);
@@ -35,7 +35,7 @@ class ScaledStiffness {
     NodeColumns force_;
 };
 
-/// The same of a tangent.
+/// The same for a tangent stiffness.
 class ScaledTangent {
    public:
     ScaledTangent(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent)
@@ -53,7 +53,7 @@ class ScaledTangent {
     Eigen::VectorXd root_;
 };
 
-/// A start without symmetry, the same every time.
+/// A start vector without symmetry, the same in every run.
 NodeColumns scattered_start(const RealtimeMesh& mesh) {
     NodeColumns x(mesh.node_count(), mesh.dimension());
     for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] = std::sin(12.9898 * static_cast<double>(i + 1) + 1.0);
@@ -62,7 +62,7 @@ NodeColumns scattered_start(const RealtimeMesh& mesh) {
     return x;
 }
 
-/// Lanczos' largest value plus its residual.
+/// Largest value of Lanczos' method plus its residual.
 template <class Apply>
 double largest_of(const RealtimeMesh& mesh, Apply apply) {
     constexpr int steps = 30;
@@ -90,8 +90,8 @@ double largest_of(const RealtimeMesh& mesh, Apply apply) {
     return solver.eigenvalues()[n - 1] + std::abs(beta.back() * solver.eigenvectors()(n - 1, n - 1));
 }
 
-/// Inverse iteration of a few vectors at once, since a square block's slowest modes come in pairs of one frequency: solve(x) makes K^-1 x of x, in place. mass, x: of the free
-/// degrees of freedom.
+/// Smallest eigenvalue by inverse iteration of a few vectors at once, since the slowest modes of a square block come in
+/// pairs of equal frequency. solve(x): replaces x by K^-1 x. mass, x: of the free degrees of freedom.
 template <class Solve>
 double smallest_of(const Eigen::VectorXd& mass, const Solve& solve) {
     const Eigen::Index n = mass.size(), few = std::min<Eigen::Index>(4, n);
@@ -158,7 +158,8 @@ double SlowestMode::of(const Eigen::VectorXd& node_mass_kg) const {
 double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::SparseMatrix<double>& tangent) { return SlowestMode(mesh, tangent).of(mesh.mass()); }
 
 double smallest_eigenvalue(const RealtimeMesh& mesh, const Eigen::VectorXd& theta) {
-    if (mesh.dimension() == 3) return smallest_eigenvalue(mesh, mesh.stiffness_at_rest(theta));  // its band would be wide
+    // in space the band of K would be wide
+    if (mesh.dimension() == 3) return smallest_eigenvalue(mesh, mesh.stiffness_at_rest(theta));
     const FreeNumbering numbering(mesh);
     if (BandCholesky::bytes(numbering.order, numbering.half_bandwidth) > 1e9) return 0;
     BandCholesky K(numbering.order, numbering.half_bandwidth);

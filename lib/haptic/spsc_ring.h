@@ -6,8 +6,8 @@
 
 namespace tissue {
 
-/// A queue between one thread that pushes and one that pops: no lock, no allocation after it is made, neither waits.
-/// capacity is rounded up to a power of two.
+/// A queue between one thread that pushes and one that pops. There is no lock, no allocation after construction, and
+/// neither thread waits. capacity is rounded up to a power of two.
 template <class Item>
 class SpscRing {
    public:
@@ -17,7 +17,7 @@ class SpscRing {
         items_.resize(size);
     }
 
-    /// False when full: the item is dropped.
+    /// False where the queue is full; the item is dropped.
     bool push(const Item& item) noexcept {
         const std::size_t head = head_.load(std::memory_order_relaxed);
         if (head - tail_.load(std::memory_order_acquire) == items_.size()) return false;
@@ -38,8 +38,8 @@ class SpscRing {
 
    private:
     std::vector<Item> items_;
-    alignas(64) std::atomic<std::size_t> head_{0};  ///< written by the one that pushes
-    alignas(64) std::atomic<std::size_t> tail_{0};  ///< written by the one that pops
+    alignas(64) std::atomic<std::size_t> head_{0};  ///< written by the thread that pushes
+    alignas(64) std::atomic<std::size_t> tail_{0};  ///< written by the thread that pops
 };
 
 }  // namespace tissue

@@ -10,9 +10,10 @@
 
 namespace tissue {
 
-/// What changes while a session runs, as bytes: counted, written or read. A class of such state has
+/// Counts, writes or reads the bytes of everything that changes while a session runs. A class with such state has
 ///     void fields(StateBytes& state) { state(a, b, c); }
-/// Sizes stay as the session was made, so that as many bytes follow for every moment, and nothing allocates.
+/// Sizes of vectors and matrices do not change after construction of a session. So the number of bytes is constant, and
+/// nothing allocates.
 class StateBytes {
    public:
     static StateBytes counting() { return {nullptr, nullptr}; }
@@ -24,7 +25,7 @@ class StateBytes {
         (field(each), ...);
     }
 
-    std::size_t size() const { return size_; }  ///< so far
+    std::size_t size() const { return size_; }  ///< number of bytes so far
     bool reads() const { return from_ != nullptr; }
 
    private:
@@ -51,7 +52,7 @@ class StateBytes {
         }
     }
 
-    /// Of an own size, of at most so many, or as large as the session made it.
+    /// A matrix of fixed size, of bounded size (stored as its bound), or of the size that the session gave it.
     template <class T, int R, int C, int O, int MR, int MC>
     void field(Eigen::Matrix<T, R, C, O, MR, MC>& value) noexcept {
         constexpr bool small = MR != Eigen::Dynamic && MC != Eigen::Dynamic;

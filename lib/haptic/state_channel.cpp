@@ -3,7 +3,7 @@
 namespace tissue {
 namespace {
 
-/// A state with all the storage it needs.
+/// A state with all its storage allocated.
 TickState empty_state(const HapticModel& model) {
     TickState state;
     std::size_t nodes = 0;
@@ -13,7 +13,7 @@ TickState empty_state(const HapticModel& model) {
     return state;
 }
 
-/// displacement_m: of each mesh, as it is seen.
+/// displacement_m: displayed displacement of each mesh's nodes (Simulation::seen).
 void copy(const Simulation& simulation, int tool, const std::vector<NodeColumns>& displacement_m, ToolTick& to) noexcept {
     const TickRecord& record = simulation.record(tool);
     to.record = record;
@@ -31,7 +31,7 @@ void copy(const Simulation& simulation, int tool, const std::vector<NodeColumns>
     }
 }
 
-void copy(const Simulation& simulation, const TickBooks& books, TickState& state, std::vector<NodeColumns>& seen) noexcept {
+void copy(const Simulation& simulation, const TickStatistics& books, TickState& state, std::vector<NodeColumns>& seen) noexcept {
     state.books = books;
     state.counters = simulation.counters();
     state.rested_s = simulation.rested_s();
@@ -59,7 +59,7 @@ bool StateChannel::before(Simulation& simulation) noexcept {
     return !paused_.load(std::memory_order_relaxed);
 }
 
-void StateChannel::after(const Simulation& simulation, const TickBooks& books) noexcept {
+void StateChannel::after(const Simulation& simulation, const TickStatistics& books) noexcept {
     if (!books.left_out) times_.push(books.tick_us);
     if (++since_ < every_) return;
     since_ = 0;

@@ -9,38 +9,40 @@
 
 namespace tissue {
 
-/// What one tick left behind of a tool.
+/// Result of one tick for a tool.
 struct ToolTick {
     TickRecord record;
     SafetyCounters safety;
-    std::vector<Point> contact_displacement_m;  ///< of each mesh at the contact, of a law the tool's own; 0 without one
-    Point proxy_m;                              ///< the record's; in contact with a law, on the surface as it is seen
+    std::vector<Point> contact_displacement_m;  ///< of each mesh, as Simulation::displacement_at_contact
+    /// of the record; in contact with an energy model, on the displayed surface
+    Point proxy_m;
 };
 
-/// A copy of what one tick left behind, for another thread: of the first tool, and of all.
+/// A copy of one tick's result for another thread: of the first tool (the base class), and of the session.
 struct TickState : ToolTick {
-    ToolTick second;                                      ///< where the session has two tools
-    TickBooks books;
+    ToolTick second;                                      ///< of the second tool, where there is one
+    TickStatistics books;
     HapticCounters counters;
     double rested_s = 0;                                  ///< when every mesh was last put to rest
-    std::vector<float> nodes_m;                           ///< place of every node as it is seen (Simulation::seen), D numbers each, mesh after mesh
+    /// displayed position of every node (Simulation::seen), D numbers each, mesh after mesh
+    std::vector<float> nodes_m;
 };
 
-/// Between the tick and one other thread: states and times out, pause and reset in. Neither side locks or waits, and
-/// nothing is allocated after it is made.
+/// Connects the tick and one other thread: states and tick times go out, pause and reset come in. Neither side locks or
+/// waits, and nothing is allocated after construction.
 class StateChannel final : public TickHook {
    public:
-    /// every: ticks between two states. times: tick times that fit while the other thread is busy; more are left out.
+    /// every: ticks between two states. times: tick times that fit while the other thread is busy; others are dropped.
     explicit StateChannel(const HapticModel& model, int every = 17, std::size_t times = 8192);
 
     bool before(Simulation& simulation) noexcept override;
-    void after(const Simulation& simulation, const TickBooks& books) noexcept override;
+    void after(const Simulation& simulation, const TickStatistics& books) noexcept override;
 
-    // the other thread's
+    // for the other thread
     void pause(bool on) noexcept { paused_.store(on, std::memory_order_relaxed); }
     bool paused() const noexcept { return paused_.load(std::memory_order_relaxed); }
-    void reset() noexcept { reset_.store(true, std::memory_order_relaxed); }  ///< every mesh to rest
-    bool fetch() noexcept { return latest_.fetch(); }                         ///< true: state() is a newer one
+    void reset() noexcept { reset_.store(true, std::memory_order_relaxed); }  ///< puts every mesh to rest
+    bool fetch() noexcept { return latest_.fetch(); }                         ///< true: state() is newer than before
     const TickState& state() const noexcept { return latest_.front(); }
     bool pop_time(double& tick_us) noexcept { return times_.pop(tick_us); }
 

@@ -9,7 +9,7 @@
 namespace tissue {
 namespace {
 
-/// What supports ask for at each node so that none swings faster than omega2 [kg] (N).
+/// Mass at each node with which no support oscillates faster than the squared angular frequency omega2 [kg] (N).
 Eigen::VectorXd asked_mass(const SpringMesh& mesh, const Eigen::VectorXd& support_N_m, double omega2) {
     Eigen::VectorXd mass = Eigen::VectorXd::Zero(mesh.node_count());
     for (Eigen::Index m = 0; m < support_N_m.size(); ++m) {
@@ -21,7 +21,7 @@ Eigen::VectorXd asked_mass(const SpringMesh& mesh, const Eigen::VectorXd& suppor
     return mass;
 }
 
-/// Stiffness of each node while all others stay where they are, the softest of its axes [N/m] (N).
+/// Stiffness of each node with all others fixed, along its softest axis [N/m] (N).
 Eigen::VectorXd own_stiffness(const Eigen::SparseMatrix<double>& tangent, int nodes) {
     const Eigen::VectorXd diagonal = tangent.diagonal();
     return Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>>(diagonal.data(), 3, nodes).colwise().minCoeff().transpose();
@@ -33,7 +33,7 @@ Eigen::VectorXd mass_with_supports(const TissueModel& model) {
     const SpringMesh& mesh = model.mesh;
     const Eigen::Index supports = mesh.support_count();
     if (supports == 0) return model.node_mass_kg;
-    const LawModel& law = *model.energy_law;
+    const EnergyModel& law = *model.energy_model;
     const TissueEnergy energy(mesh, law);
     const NodeField rest = NodeField::Zero(mesh.node_count(), mesh.dimension());
     Eigen::VectorXd free = law.constants;
@@ -49,7 +49,7 @@ Eigen::VectorXd mass_with_supports(const TissueModel& model) {
 
     const Eigen::VectorXd asked = asked_mass(mesh, law.constants.tail(supports), omega2);
     const Eigen::VectorXd stiffness = own_stiffness(lattice, mesh.node_count());
-    constexpr double enough = 0.99;  // of the squared frequency: half a per cent of the frequency
+    constexpr double enough = 0.99;  // ratio of squared frequencies: half a per cent of the frequency
     for (double most = 1500; most >= 1; most /= 1.5) {
         const Eigen::VectorXd mass = model.node_mass_kg + asked.cwiseMin(most / omega2 * stiffness);
         if (slowest_mode.of(mass) >= enough * slowest) return mass;

@@ -6,8 +6,8 @@
 namespace tissue {
 namespace kernel {
 
-/// v = (v - h f / m) / (1 + h damping), u += h v, one axis of all nodes. `gain`: h / (m (1 + h damping)), 0 where
-/// a node is fixed, and its velocity is 0 from the start.
+/// v = (v - h f / m) / (1 + h damping), u += h v, for one axis of all nodes. gain: h / (m (1 + h damping)); 0 at a
+/// fixed node, whose velocity is 0 from the start. keep: 1 / (1 + h damping).
 TISSUE_HOT void symplectic_axis(int n, const double* __restrict gain, double keep, double h,
                                 const double* __restrict f, double* __restrict v, double* __restrict u) {
     for (int k = 0; k < n; ++k) {
@@ -20,15 +20,16 @@ TISSUE_HOT void symplectic_axis(int n, const double* __restrict gain, double kee
 
 namespace {
 
-/// The contact takes the nodes where they will be `ahead_s` later, as it takes the tool: a damper beside each of its springs, which only burns
-/// energy, since the contact's is convex. On a law also where nobody asks for one, by a quarter of a step: swings that steps hardly resolve, of a stiff
-/// imprint, die away within a tick or two. Else a tool that moves step by step drives them, and one that touches and lets go pumps them up. With a
-/// damper the step is stable up to (omega h)^2 (1 + 2 ahead / h) = 4.
+/// The contact uses the positions of nodes and tool `ahead_s` later. This acts as a damper parallel to each of its
+/// springs, which only dissipates, since the contact's energy is convex. On an energy model at least a quarter of a
+/// step is used, even where ahead_s is 0. Oscillations of a stiff imprint, which steps hardly resolve, then decay
+/// within a tick or two. Without it, a tool that moves step by step excites them, and a tool that touches and releases
+/// feeds energy into them. With a damper the step is stable up to (omega h)^2 (1 + 2 ahead / h) = 4.
 class SymplecticDynamics final : public Dynamics {
    public:
     SymplecticDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options)
         : mesh_(mesh), law_(options.law), h_(options.dt_s), keep_(1 / (1 + h_ * options.damping_1_s)), gain_(h_ * keep_ * mesh.inverse_mass()),
-          scratch_(options.law ? options.law->scratch() : RealtimeLaw::Scratch{}), held_(NodeColumns::Zero(mesh.node_count(), mesh.dimension())) {}
+          scratch_(options.law ? options.law->scratch() : RealtimeEnergyModel::Scratch{}), held_(NodeColumns::Zero(mesh.node_count(), mesh.dimension())) {}
     std::string name() const override { return symplectic_dynamics.name; }
 
     void complete(MeshState& s) const noexcept override { mesh_.embedding().interpolate(s.displacement); }
@@ -54,12 +55,12 @@ class SymplecticDynamics final : public Dynamics {
     }
 
     const RealtimeMesh& mesh_;
-    const RealtimeLaw* law_;
+    const RealtimeEnergyModel* law_;
     double h_;  ///< [s]
     double keep_;
     Eigen::VectorXd gain_;
-    RealtimeLaw::Scratch scratch_;  ///< of the law
-    NodeColumns held_;         ///< [m] (N x D)
+    RealtimeEnergyModel::Scratch scratch_;  ///< of the energy model
+    NodeColumns held_;         ///< displacement ahead_s later [m] (N x D)
 };
 
 }  // namespace

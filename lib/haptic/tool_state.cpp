@@ -17,7 +17,7 @@ void ToolState::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options.device;
     ToolSpring::Growth growth = spring.growth();
     state(options.map, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, device.rate_Hz, device.delay_s, safety, same_position_s, old_s, expected_s, stood_s, device_m, has_master,
-          clutched, taken_over, carried_N, carried, contact, touched, coupling_N_m, memory, at_m, went_m, share, slid_m, slide_m_s, velocity_m_s, touched_m, friction, armed, unarmed, untouched_s, record, growth);
+          clutched, grasp_asked, grasp_was_on, grasps, let_go, options.grasp_max_N, taken_over, carried_N, carried, contact, touched, coupling_N_m, memory, at_m, went_m, share, slid_m, slide_m_s, velocity_m_s, touched_m, friction, armed, unarmed, untouched_s, record, growth);
     if (!state.reads()) return;
     options.friction = friction.options();
     options.safety = safety.options();
@@ -48,6 +48,7 @@ void ToolState::follow_hand(const Point& moved_m, double age_s) noexcept {
 
 void ToolState::no_contact(const Point& proxy_m) noexcept {
     contact = {};
+    grasps = false;
     contact.proxy_m = proxy_m;
 }
 
@@ -68,13 +69,13 @@ void ToolState::take_over(const ToolState& from, double period_s) noexcept {
     safety.go_on_from(from.safety);
     record.time_s = from.record.time_s;
     record.device_m = from.record.device_m;
-    if (touched >= 0) {  // a contact has to slip as far as the hand has gone along the surface since it was followed
+    if (touched >= 0) {  // the contact has to slip by the hand's motion along the surface since follow()
         constexpr double far_m = 2e-4;
         const Point went = from.record.master_m - record.master_m, inward = spring.inward();
         carried = (went - went.dot(inward) * inward).norm() > far_m ? 1 : 0;
     }
     record.master_m = from.record.master_m;
-    options.map = from.options.map;  // a clutch may have moved it since
+    options.map = from.options.map;  // the clutch may have changed it since follow()
     options.device = from.options.device;
     options.safety = safety.options();
     device_m = from.device_m;
@@ -86,15 +87,19 @@ void ToolState::take_over(const ToolState& from, double period_s) noexcept {
     old_s = from.old_s;
     stood_s = from.stood_s;
     unarmed = from.unarmed;
+    options.grasp_max_N = from.options.grasp_max_N;
+    grasp_asked = from.grasp_asked;
+    grasp_was_on = from.grasp_was_on;
+    let_go = from.let_go;
     contacts = from.contacts;
     at_m = at_the_end(record.master_m, period_s) - period_s * velocity_m_s;
     taken_over = true;
     friction.become(options.friction = from.options.friction);
-    if (!from.armed) disarm(record.master_m);  // it was stopped after it was followed
+    if (!from.armed) disarm(record.master_m);  // its contact was ended after follow()
 }
 
-void ToolState::show_no_more(bool on_law) noexcept {
-    spring.show_at_most(on_law ? options.safety.force_max_N / options.map.force_scale : std::numeric_limits<double>::infinity());
+void ToolState::show_no_more(bool on_energy_model) noexcept {
+    spring.show_at_most(on_energy_model ? options.safety.force_max_N / options.map.force_scale : std::numeric_limits<double>::infinity());
 }
 
 }  // namespace tissue

@@ -17,8 +17,8 @@
 namespace tissue {
 namespace {
 
-constexpr double clearance_m = 0.005;    ///< how far outside the surface a motion starts
-constexpr double ring_m = 0.015;         ///< how far outside it goes round the tissue, at least
+constexpr double clearance_m = 0.005;    ///< distance from the surface at which a motion starts
+constexpr double ring_m = 0.015;         ///< least distance from the tissue on the path around it
 constexpr double pi = 3.14159265358979323846;
 constexpr double travel_m_s = 0.2;
 
@@ -27,13 +27,13 @@ double uniform(std::mt19937_64& random) {
     return static_cast<double>(random() >> 11) * 0x1.0p-53;
 }
 
-/// A place of the free surface, and the way into the tissue there.
+/// A point of the free surface, and the inward normal there.
 struct Aim {
     Point place_m, inward;
 };
 
-/// Uniform over the free surface but near its creases and ends, where the way out of the tissue meets it nowhere again: by the
-/// measure of facets, in a facet by its corners.
+/// Draws points uniformly over the free surface: a facet by its measure, then a point in it. Points near creases and
+/// ends are left out, and points from which the straight path out of the tissue meets the tissue again.
 class Aims {
    public:
     Aims(const SpringMesh& mesh, unsigned long seed)
@@ -60,14 +60,14 @@ class Aims {
         return aim;
     }
 
-    /// Where the way out of the tissue leaves the circle, or sphere, round it.
+    /// Point where the straight path out of the tissue meets the circle, or sphere, around it.
     Point exit(const Aim& aim) const {
         const Point from = aim.place_m - centre_m_;
         const double along = from.dot(aim.inward), off = from.squaredNorm() - radius_m_ * radius_m_;
         return aim.place_m - (along + std::sqrt(along * along - off)) * aim.inward;
     }
 
-    /// Round the tissue from one such place to another; the last one is the end itself.
+    /// Points of the path around the tissue from one such point to another; the last is the end itself.
     std::vector<Point> round(const Point& from, const Point& to) const {
         constexpr double step = 0.1;  // rad
         const Point a = (from - centre_m_) / radius_m_, b = (to - centre_m_) / radius_m_;
@@ -85,7 +85,8 @@ class Aims {
     }
 
    private:
-    /// No point of the way out, but where it begins, is nearer to the surface than half of how far it has come.
+    /// Whether the straight path out stays clear of the surface: farther from it than half of the distance travelled,
+    /// or clearance_m if that is less.
     bool goes_out(const Aim& aim) const {
         const Point end = exit(aim);
         const double length = (end - aim.place_m).norm();
@@ -103,7 +104,8 @@ class Aims {
     Cells facets_;
 };
 
-/// Two unit vectors across one, or one in the plane: the first as near to the first axis as can be.
+/// A unit vector perpendicular to `inward`, as near to the first axis as possible, or to the last where inward is
+/// nearly along the first.
 Point sideways(const Point& inward) {
     Eigen::Vector3d along = Eigen::Vector3d::Zero(), in = Eigen::Vector3d::Zero();
     in.head(inward.size()) = inward;
@@ -111,7 +113,8 @@ Point sideways(const Point& inward) {
     return (along - along.dot(in) * in).normalized().head(inward.size());
 }
 
-/// In and out at places of the free surface drawn by seed, up to 27 degrees off its normal, staying at the deepest so long at least.
+/// Indentations at points of the free surface drawn by seed, up to 27 degrees off its normal. The tool stays at the
+/// deepest point for stay_s at least.
 std::vector<Waypoint> pokes(const MotionOptions& o, double stay_s) {
     Aims aims(*o.rest, o.seed);
     std::vector<Waypoint> motion;
@@ -147,7 +150,7 @@ std::vector<Waypoint> pokes(const MotionOptions& o, double stay_s) {
         motion.push_back({time += 0.2 * aims.uniform() + stay_s, deepest});
         motion.push_back({time += in, outside});
     }
-    // back to where it began, round the tissue, for who goes on
+    // back to the start, around the tissue, so that the motion can be repeated
     travel(exit);
     for (const Point& point : aims.round(exit, first_exit)) travel(point);
     travel(motion.front().point_m);
@@ -155,7 +158,7 @@ std::vector<Waypoint> pokes(const MotionOptions& o, double stay_s) {
 }
 
 std::vector<Waypoint> poke(const MotionOptions& o) { return pokes(o, 0.05); }
-/// As one pokes who reads a force: it waits until the tissue is still.
+/// As for a measurement of force: the tool waits until the tissue is at rest.
 std::vector<Waypoint> probe(const MotionOptions& o) { return pokes(o, 1); }
 
 }  // namespace
@@ -168,55 +171,63 @@ std::vector<Waypoint> press_motion(const Point& contact_m, const Point& inward,
 
 namespace {
 
-/// Of the surface nearest to the middle of the box's top, or to a point beside it.
+/// The point of the surface nearest to the middle of the bounding box's top, or to a point aside_m from it.
 Aim middle_of_top(const MotionOptions& o) {
     Point top = (Aims::low(*o.rest) + Aims::high(*o.rest)) / 2;
     top[top.size() - 1] = Aims::high(*o.rest)[top.size() - 1];
-    if (const double half_m = (Aims::high(*o.rest) - Aims::low(*o.rest))[0] / 2; !(std::abs(o.aside_m) < half_m)) throw MismatchError(fmt::format("aside must lie within {:g} m of the middle, not {:g}", half_m, o.aside_m));
+    if (const double half_m = (Aims::high(*o.rest) - Aims::low(*o.rest))[0] / 2; !(std::abs(o.aside_m) < half_m)) throw MismatchError(fmt::format("aside must be within {:g} m of the middle, not {:g}", half_m, o.aside_m));
     top[0] += o.aside_m;
     const FreeSurface::Place place = FreeSurface(*o.rest).nearest(top);
     return {place.point_m, place.inward};
 }
 
-/// Into the middle of the top, and stay.
+/// Indents the middle of the top, and stays.
 std::vector<Waypoint> press(const MotionOptions& o) {
     const Aim top = middle_of_top(o);
     return press_motion(top.place_m, top.inward, o.depth_m * top.inward, 1, 0);
 }
 
-/// Where to be how much later: sideways, and into the tissue.
+/// A waypoint `seconds` after the one before, relative to the middle of the top: along the surface, and into the
+/// tissue.
 struct Stop {
     double seconds, along_m, in_m;
+    bool grasp = false;
 };
 
-/// From above the middle of the top through the stops, over and over.
+/// From above the middle of the top through the stops, repeatedly.
 std::vector<Waypoint> round(const MotionOptions& o, const std::vector<Stop>& stops) {
     const Aim top = middle_of_top(o);
     const Point along = sideways(top.inward);
     std::vector<Waypoint> motion = {{0, top.place_m - clearance_m * top.inward}};
     while (motion.back().time_s < o.seconds)
         for (const Stop& stop : stops)
-            motion.push_back({motion.back().time_s + stop.seconds, top.place_m + stop.along_m * along + stop.in_m * top.inward});
+            motion.push_back({motion.back().time_s + stop.seconds, top.place_m + stop.along_m * along + stop.in_m * top.inward, stop.grasp});
     return motion;
 }
 
-/// Into the middle of the top, then along it and back.
+/// Indents the middle of the top, then moves along it and back.
 std::vector<Waypoint> slide(const MotionOptions& o) {
     const double side = 0.2 * (Aims::high(*o.rest) - Aims::low(*o.rest))[0];
     return round(o, {{0.5, 0, o.depth_m}, {1.0, side, o.depth_m}, {1.0, -side, o.depth_m}, {0.5, 0, -clearance_m}});
 }
 
-/// In and out of the middle of the top at 1 Hz.
+/// Indents the middle of the top and leaves it, at 1 Hz.
 std::vector<Waypoint> sine(const MotionOptions& o) {
     return round(o, {{0.5, 0, o.depth_m}, {0.5, 0, -clearance_m}});
+}
+
+/// Touches the middle of the top, grasps it, lifts it by the depth, and lets go.
+std::vector<Waypoint> pull(const MotionOptions& o) {
+    constexpr double touch_m = 0.001;
+    return round(o, {{0.5, 0, touch_m}, {0.2, 0, touch_m, true}, {1.0, 0, -o.depth_m, true}, {1.0, 0, -o.depth_m}, {0.5, 0, -clearance_m}});
 }
 
 struct Motion {
     const char* name;
     std::vector<Waypoint> (*make)(const MotionOptions&);
-    bool has_middle;  ///< it is about the middle of the top, or aside of it
+    bool has_middle;  ///< it is at the middle of the top, or aside_m from it
 };
-constexpr Motion motions[] = {{"press", press, true}, {"slide", slide, true}, {"poke", poke, false}, {"probe", probe, false}, {"sine", sine, true}};
+constexpr Motion motions[] = {{"press", press, true}, {"slide", slide, true}, {"poke", poke, false}, {"probe", probe, false}, {"sine", sine, true}, {"pull", pull, true}};
 
 std::string not_a_motion(const std::string& name) {
     for (const Motion& motion : motions)
@@ -227,13 +238,13 @@ std::string not_a_motion(const std::string& name) {
 std::string not_a_depth(const std::string& text) {
     char* end = nullptr;
     const double depth = std::strtod(text.c_str(), &end);
-    return !text.empty() && *end == '\0' && depth > 0 && std::isfinite(depth) ? "" : "wanted a positive number, not " + text;
+    return !text.empty() && *end == '\0' && depth > 0 && std::isfinite(depth) ? "" : "must be a positive number, not " + text;
 }
 
 std::string not_a_length(const std::string& text) {
     char* end = nullptr;
     const double length = std::strtod(text.c_str(), &end);
-    return !text.empty() && *end == '\0' && std::abs(length) < 10 ? "" : "wanted a length of less than 10 m, not " + text;
+    return !text.empty() && *end == '\0' && std::abs(length) < 10 ? "" : "must be a length of less than 10 m, not " + text;
 }
 
 }  // namespace
@@ -249,12 +260,12 @@ const std::vector<std::string>& motion_names() {
 
 std::vector<Waypoint> make_motion(const MotionOptions& o) {
     if (!(o.depth_m > 0) || !(o.seconds > 0)) throw MismatchError("a motion needs a positive depth and time");
-    if (!o.rest) throw MismatchError("a motion needs a tissue");
+    if (!o.rest) throw MismatchError("a motion needs the tissue's surface");
     MotionOptions made = o;
     made.seconds = std::min(o.seconds, longest_motion_s);
     for (const Motion& motion : motions)
         if (o.name == motion.name) {
-            if (o.aside_m != 0 && !motion.has_middle) throw MismatchError(fmt::format("motion {} draws its places, and has no aside", o.name));
+            if (o.aside_m != 0 && !motion.has_middle) throw MismatchError(fmt::format("motion {} draws its places at random; --aside has no effect: leave it out", o.name));
             return motion.make(made);
         }
     throw MismatchError(not_a_motion(o.name));
@@ -262,9 +273,9 @@ std::vector<Waypoint> make_motion(const MotionOptions& o) {
 
 const DeviceKind VirtualDevice::kind = {
     "virtual",
-    {{"motion", "NAME", motions[0].name, fmt::format("of the virtual device: {}", fmt::join(motion_names(), ", ")), false, not_a_motion},
-     {"depth", "m", "0.01", "of the virtual device below the surface", false, not_a_depth},
-     {"aside", "m", "0", "where press, slide and sine are: from the middle of the top along the first axis", false, not_a_length}},
+    {{"motion", "NAME", motions[0].name, fmt::format("motion of the virtual device: {}", fmt::join(motion_names(), ", ")), false, not_a_motion},
+     {"depth", "m", "0.01", "largest depth of the virtual device below the surface; for pull its height above the surface", false, not_a_depth},
+     {"aside", "m", "0", "place of press, slide, sine and pull: distance from the middle of the top along the first axis", false, not_a_length}},
     [](const DeviceValues& v, const DeviceContext& c) -> std::unique_ptr<Device> {
         const MotionOptions motion{v.at("motion"), c.seconds > 0 ? c.seconds : longest_motion_s, std::strtod(v.at("depth").c_str(), nullptr), c.seed, c.rest, std::strtod(v.at("aside").c_str(), nullptr)};
         return std::make_unique<VirtualDevice>(make_motion(motion), c.map, true);
@@ -272,7 +283,7 @@ const DeviceKind VirtualDevice::kind = {
     {}, 10, true, true};
 
 VirtualDevice::VirtualDevice(std::vector<Waypoint> motion, const DeviceMap& map, bool over_and_over) : motion_(std::move(motion)), map_(map) {
-    if (motion_.empty()) throw MismatchError("a motion without waypoints");
+    if (motion_.empty()) throw MismatchError("a motion needs waypoints");
     map_.fit(static_cast<int>(motion_.front().point_m.size()));
     if (over_and_over && (motion_.back().point_m - motion_.front().point_m).norm() < 1e-9) again_s_ = motion_.back().time_s - motion_.front().time_s;
 }
@@ -293,6 +304,7 @@ DeviceSample VirtualDevice::read(double time_s) noexcept {
         point += t * t * (3 - 2 * t) * (after.point_m - before.point_m);
     }
     sample.position_m = map_.to_device(point);
+    sample.grasp = before.grasp;
     return sample;
 }
 

@@ -46,20 +46,20 @@ void write_all(int descriptor, const std::string& file, const std::string& conte
     }
 }
 
-/// Forces what was written onto the disk.
+/// Flushes the written content to disk.
 void keep(int descriptor, const std::string& file) {
-    // else a machine that loses power may keep the name and not what it names; EINVAL: a place that has nothing to force
+    // without this a power failure may leave the name without its content; EINVAL: the file cannot be flushed
     if (::fsync(descriptor) != 0 && errno != EINVAL) fail(file, "write");
-    // a network's disk refuses data when a descriptor is closed
+    // a network disk reports refused data when a descriptor is closed
     if (const int copy = ::dup(descriptor); copy < 0 || ::close(copy) != 0) fail(file, "write");
 }
 
 Beside beside(const std::string& file) {
-    // a new file would take the place of a device, a pipe, or the link /dev/stdout: root may do that
+    // a new file would replace a device, a pipe, or the link /dev/stdout, which root is allowed to do
     struct stat there {};
     const bool special = ::stat(file.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode);
-    if (special || file.rfind("/dev/std", 0) == 0 || file.rfind("/dev/fd/", 0) == 0) throw FileError(file + ": is a device or a pipe, wanted a file");
-    if (!file.empty() && file.back() == '/') throw FileError(file + ": is a folder's name, wanted a file's");
+    if (special || file.rfind("/dev/std", 0) == 0 || file.rfind("/dev/fd/", 0) == 0) throw FileError(file + ": is a device or a pipe; give a file");
+    if (!file.empty() && file.back() == '/') throw FileError(file + ": is the name of a folder; give that of a file");
     return make_file_beside(file);
 }
 
@@ -120,7 +120,7 @@ std::string read_all(std::istream& in, const std::string& named) {
     std::vector<char> piece(1 << 16);
     while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())) || in.gcount() > 0) {
         content.append(piece.data(), static_cast<std::size_t>(in.gcount()));
-        if (content.size() > largest_text) throw FileError(fmt::format("{}: has more than {} bytes, which are read at most", named, largest_text));
+        if (content.size() > largest_text) throw FileError(fmt::format("{}: has more than {} bytes; this is the most that is read", named, largest_text));
     }
     if (in.bad()) fail(named, "read");
     return content;
@@ -128,7 +128,7 @@ std::string read_all(std::istream& in, const std::string& named) {
 
 std::string file_hash(const std::string& file) {
     std::error_code error;
-    if (std::filesystem::is_fifo(file, error)) throw FileError(file + ": is a pipe, wanted a file: it is read twice");
+    if (std::filesystem::is_fifo(file, error)) throw FileError(file + ": is a pipe; give a file, because it is read twice");
     std::ifstream in = opened(file);
     const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
     XXH3_128bits_reset(state.get());

@@ -24,7 +24,7 @@ enum class Kind { file, folder };
 constexpr std::string_view before_digits = ".tissue-", ending = ".tmp";
 constexpr std::size_t drawn_digits = 8;
 
-/// Whether `name` is still what is open. A link is not.
+/// Whether `name` is still the open file; a link is not.
 bool is_open_as(int descriptor, const OpenFolder& folder, const std::string& name) {
     struct stat ours {}, there {};
     return ::fstat(descriptor, &ours) == 0 && ::fstatat(folder.descriptor(), name.c_str(), &there, AT_SYMLINK_NOFOLLOW) == 0 &&
@@ -33,23 +33,25 @@ bool is_open_as(int descriptor, const OpenFolder& folder, const std::string& nam
 
 bool locked(int descriptor, int how) { return ::flock(descriptor, how | LOCK_NB) == 0; }
 
-/// Whether a file's name is one that was drawn for `last`: one of a date, or of another program's, is not.
+/// Whether `name` is a random name made for a target named `last`. Names with a date, or of other programs, are not.
 bool drawn_for(const std::string& last, const std::string& name) {
     const std::size_t digits = last.size() + before_digits.size(), end = digits + drawn_digits;
     return name.size() == end + ending.size() && name.compare(0, last.size(), last) == 0 && name.compare(last.size(), before_digits.size(), before_digits) == 0 &&
            name.find_first_not_of("0123456789abcdef", digits) == end && name.compare(end, ending.size(), ending) == 0;
 }
 
-/// Removes what is in an open folder, and then the name, which another user may have given to something else meanwhile: an empty folder goes, nothing else.
+/// Removes the content of an open folder, and then its name. Another user may have given that name to something else
+/// meanwhile: only an empty folder is removed.
 void remove_open_folder(int descriptor, const OpenFolder& folder, const std::string& name) {
     std::error_code error, ignored;
     for (std::filesystem::directory_iterator entry(fmt::format("/proc/self/fd/{}/", descriptor), error), end; !error && entry != end; entry.increment(error))
         if (entry->path().filename() != name) std::filesystem::remove_all(entry->path(), ignored);
-    ::unlinkat(descriptor, name.c_str(), 0);  // last: without it a later program would not know the folder
+    ::unlinkat(descriptor, name.c_str(), 0);  // last: by this file a later program recognises the folder
     ::unlinkat(folder.descriptor(), name.c_str(), AT_REMOVEDIR);
 }
 
-/// Whether a folder was made here: the file in it that bears its name says so. Another user can rename a folder of this user, but cannot put a file into it.
+/// Whether this program made the folder: it then contains a file with the folder's name. Another user can rename a
+/// folder of this user, but cannot put a file into it.
 bool made_here(int descriptor, const std::string& name) {
     struct stat mark {};
     return ::fstatat(descriptor, name.c_str(), &mark, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(mark.st_mode) && mark.st_uid == ::geteuid();
@@ -60,7 +62,7 @@ bool mark(int descriptor, const std::string& name) {
     return file >= 0 && ::close(file) == 0;
 }
 
-/// Removes what a killed program has left: a file, or a folder made here, of this user, and nobody holds its lock.
+/// Removes what killed programs left: files, and folders made by this program, of this user and without a lock.
 void remove_left_over(const FilePlace& place) {
     std::error_code error;
     for (std::filesystem::directory_iterator entry(place.folder.path_of(""), error), end; !error && entry != end; entry.increment(error)) {
@@ -72,7 +74,8 @@ void remove_left_over(const FilePlace& place) {
         if (::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid() && locked(descriptor, LOCK_EX) && is_open_as(descriptor, place.folder, name)) {
             if (S_ISREG(status.st_mode)) ::unlinkat(place.folder.descriptor(), name.c_str(), 0);
             if (S_ISDIR(status.st_mode) && made_here(descriptor, name)) remove_open_folder(descriptor, place.folder, name);
-            if (S_ISDIR(status.st_mode)) ::unlinkat(place.folder.descriptor(), name.c_str(), AT_REMOVEDIR);  // removes an empty one alone
+            // removes only an empty folder
+            if (S_ISDIR(status.st_mode)) ::unlinkat(place.folder.descriptor(), name.c_str(), AT_REMOVEDIR);
         }
         ::close(descriptor);
     }
@@ -80,29 +83,31 @@ void remove_left_over(const FilePlace& place) {
 
 std::string drawn_name(const std::string& last, const std::string& named) {
     std::uint32_t drawn = 0;
-    if (::getrandom(&drawn, sizeof drawn, 0) != sizeof drawn) throw FileError(named + ": cannot write: the system gives no random numbers");
+    if (::getrandom(&drawn, sizeof drawn, 0) != sizeof drawn) throw FileError(named + ": cannot write: the system returns no random numbers");
     return fmt::format("{}{}{:08x}{}", last, before_digits, drawn, ending);
 }
 
-/// A descriptor of what is new, or -1: errno says why, EEXIST where another name may do. Who else may read and write it, the umask says.
+/// Descriptor of a new file or folder, or -1. errno then is the cause; with EEXIST another name may work. The umask
+/// sets the permissions.
 int make(const OpenFolder& folder, const std::string& name, Kind kind) {
     if (kind == Kind::file) return ::openat(folder.descriptor(), name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (::mkdirat(folder.descriptor(), name.c_str(), 0777) != 0) return -1;
     const int descriptor = ::openat(folder.descriptor(), name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    if (descriptor < 0 && errno == ENOENT) errno = EEXIST;  // made, and removed by another program, which took it for left over
+    if (descriptor < 0 && errno == ENOENT) errno = EEXIST;  // made, and removed again by another program as left over
     return descriptor;
 }
 
 Beside make_beside(const std::string& named, Kind kind) {
     FilePlace place = place_of(named);
     remove_left_over(place);
-    for (int tries = 0; tries < 100; ++tries) {  // another program may draw the same, or remove what it takes for left over
+    for (int tries = 0; tries < 100; ++tries) {  // another program may make the same name, or remove it as left over
         const std::string name = drawn_name(place.name, named);
         const int descriptor = make(place.folder, name, kind);
         if (descriptor < 0 && errno == EEXIST) continue;
         if (descriptor < 0) throw FileError(fmt::format("{}: cannot write: {}", named, std::strerror(errno)));
-        // shared: the file has its final name a moment before it is closed, and HDF5 opens no file that is locked exclusively
-        const bool ours = locked(descriptor, LOCK_SH) || errno != EWOULDBLOCK;  // some network disks have no locks
+        // a shared lock: the file gets its final name a moment before it is closed, and HDF5 opens no file with an
+        // exclusive lock; some network disks do not support locks
+        const bool ours = locked(descriptor, LOCK_SH) || errno != EWOULDBLOCK;
         const bool is_here = ours && is_open_as(descriptor, place.folder, name);
         if (is_here && (kind == Kind::file || mark(descriptor, name))) return {std::move(place.folder), place.name, name, descriptor};
         const int cause = errno;
@@ -110,7 +115,7 @@ Beside make_beside(const std::string& named, Kind kind) {
         if (kind == Kind::folder) ::unlinkat(place.folder.descriptor(), name.c_str(), AT_REMOVEDIR);
         if (is_here) throw FileError(fmt::format("{}: cannot write: {}", named, std::strerror(cause)));
     }
-    throw FileError(named + ": cannot write: no name beside it is free");
+    throw FileError(named + ": cannot write: no free name for a temporary file in its folder");
 }
 
 }  // namespace

@@ -6,24 +6,25 @@
 
 namespace tissue {
 
-/// What becomes a file or a folder, made beside it under a name that is drawn: `NAME.tissue-XXXXXXXX.tmp`, never one that is there. So what
-/// somebody has planted beside it, a link included, is neither followed nor taken over. Who may read and write it, the umask says.
+/// A temporary file or folder, made beside its target under a new random name `NAME.tissue-XXXXXXXX.tmp`. So an
+/// existing file or link of another user is neither followed nor taken over. The umask sets its permissions.
 struct Beside {
     OpenFolder folder;
-    std::string place;  ///< the name there that it is to get
-    std::string name;   ///< the name there that it has
-    int descriptor;     ///< holds the lock that says: somebody is at work here
+    std::string place;  ///< name of the target in the folder
+    std::string name;   ///< present name in the folder
+    int descriptor;     ///< holds a lock while the temporary file or folder is in use
 };
 
-/// Also removes what a killed program has left beside: what is of such a name and of this user, and nobody holds the lock of. Throws
-/// FileError, which names `place`, when nothing can be made.
+/// A temporary file beside `place`. First removes those left by killed programs: of such a name, of this user, and
+/// without a lock. Throws FileError, which names `place`, when nothing can be made.
 Beside make_file_beside(const std::string& place);
-/// In the folder is a file of its own drawn name, by which a later program knows it for left over; a folder that lacks this file and is not empty stays.
+/// A temporary folder beside `place`. It contains a file with the folder's own name, by which a later program
+/// recognises it as left over. A folder without this file is removed only if it is empty.
 Beside make_folder_beside(const std::string& place);
-/// With all that is still in it, whatever has its name by now.
+/// Removes the folder with everything left in it, and its name if that still belongs to an empty folder.
 void remove_folder(const Beside& made);
 
-/// A file that is not there yet; its content is on the disk. Throws FileError, which begins with `named`.
+/// Writes a new file and flushes it to disk. Throws FileError, which begins with `named`, also where the file exists.
 void write_new_file(const OpenFolder& folder, const std::string& name, const std::string& named, const std::string& content);
 
 }  // namespace tissue

@@ -38,17 +38,17 @@ CsvColumns::CsvColumns(const CsvLines& line, const std::vector<CsvColumn>& known
             for (const CsvColumn& c : known) names.push_back(c.name);
             line.refuse(fmt::format("column '{}' is not known; allowed: {}", name, fmt::join(names, ", ")));
         }
-        if (!place_.emplace(name, i).second) line.refuse(fmt::format("column '{}' stands twice", name));
+        if (!place_.emplace(name, i).second) line.refuse(fmt::format("column '{}' is present twice", name));
         std::vector<std::string> units;
         if (column->units)
             for (const auto& unit : *column->units) units.push_back(unit.first);
         if (open == std::string::npos) {
             if (column->units)
-                line.refuse(fmt::format("column '{}' has no unit; write '{} [UNIT]' with UNIT one of {}", name, name, fmt::join(units, ", ")));
+                line.refuse(fmt::format("column '{}' has no unit; write '{} [UNIT]', UNIT one of {}", name, name, fmt::join(units, ", ")));
             continue;
         }
         const std::string unit = field.back() == ']' ? trimmed(field.substr(open + 1, field.size() - open - 2)) : field;
-        if (!column->units) line.refuse(fmt::format("column '{}' is a text and has no unit", name));
+        if (!column->units) line.refuse(fmt::format("column '{}' has text and must have no unit", name));
         const auto found = column->units->find(unit);
         if (found == column->units->end())
             line.refuse(fmt::format("column '{}': unit '{}' is not known; allowed: {}", name, unit, fmt::join(units, ", ")));
@@ -61,7 +61,7 @@ CsvColumns::CsvColumns(const CsvLines& line, const std::vector<CsvColumn>& known
 void CsvColumns::check(const CsvLines& line) const {
     if (line.size() != columns_)
         line.refuse(fmt::format("has {} fields, the header {} columns{}", line.size(), columns_,
-                                line.size() > columns_ ? "; are there commas before decimals? Write points" : ""));
+                                line.size() > columns_ ? "; are there decimal commas? Write decimal points" : ""));
 }
 
 double CsvColumns::number(const CsvLines& line, const std::string& name) const { return line.number(place_.at(name), name) * unit_.at(name); }

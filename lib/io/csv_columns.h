@@ -8,36 +8,37 @@
 
 namespace tissue {
 
-/// Names of units, and what one of each is in SI.
+/// Unit name -> its value in SI.
 using Units = std::map<std::string, double>;
 const Units& length_units();  ///< m, mm
 const Units& force_units();   ///< N, mN
 const Units& time_units();    ///< s, ms
 
-/// A column that a kind of CSV knows.
+/// A column that a kind of CSV may have.
 struct CsvColumn {
     std::string name;
-    const Units* units;  ///< none: a text
+    const Units* units;  ///< nullptr: the column is text
     bool required;
 };
 
-/// The columns of a CSV whose header says a unit each: "contact_x [mm],force_y [mN],role", in any order.
+/// The columns of a CSV whose header states a unit for each: "contact_x [mm],force_y [mN],role", in any order.
 class CsvColumns {
    public:
     /// No columns yet.
     CsvColumns() = default;
-    /// header: the line it stands on. Throws FileError with file, line, column and cause: one that is missing, unknown or twice, a unit that
-    /// is absent or not one of its kind.
+    /// header: the header line. Throws FileError with file, line, column and cause: a column that is missing, unknown
+    /// or there twice, or a unit that is missing or of another kind.
     CsvColumns(const CsvLines& header, const std::vector<CsvColumn>& known);
 
     bool empty() const { return columns_ == 0; }
     bool has(const std::string& name) const { return place_.count(name) > 0; }
 
-    /// Throws FileError where a line has not as many fields as the header columns.
+    /// Throws FileError where a line has another number of fields than the header.
     void check(const CsvLines& line) const;
-    /// In SI. Throws FileError with the place for what is no finite number.
+    /// A field in SI units. Throws FileError with the place where it is not a finite number.
     double number(const CsvLines& line, const std::string& name) const;
-    std::string text(const CsvLines& line, const std::string& name) const;  ///< trimmed; empty where there is no such column
+    /// trimmed; empty where there is no such column
+    std::string text(const CsvLines& line, const std::string& name) const;
 
    private:
     std::map<std::string, std::size_t> place_;
@@ -45,7 +46,7 @@ class CsvColumns {
     std::size_t columns_ = 0;
 };
 
-/// Without blanks and tabs at either end.
+/// Without spaces and tabs at either end.
 std::string trimmed(const std::string& text);
 
 }  // namespace tissue

@@ -58,12 +58,13 @@ double CsvLines::number(std::size_t i, const std::string& column) const {
     const char *begin = field.data(), *last = begin + field.size();
     while (of_people() && begin < last && blank(*begin)) ++begin;
     while (of_people() && begin < last && blank(last[-1])) --last;
-    if (of_people() && last - begin > 1 && *begin == '+' && begin[1] != '-') ++begin;  // some programs write it, std::from_chars knows none
+    // some programs write a +, which std::from_chars does not accept
+    if (of_people() && last - begin > 1 && *begin == '+' && begin[1] != '-') ++begin;
     double value = 0;
     const auto [end, error] = std::from_chars(begin, last, value);
     if (error != std::errc() || end != last || !std::isfinite(value))
         refuse(fmt::format("{} is '{}', not a finite number{}", column.empty() ? fmt::format("field {}", i + 1) : "column '" + column + "'", field,
-                           field.find(',') != std::string::npos ? "; write a point, not a comma, before decimals, and nothing between thousands" : ""));
+                           field.find(',') != std::string::npos ? "; write a decimal point, not a comma, and no separator between thousands" : ""));
     return value;
 }
 

@@ -6,8 +6,9 @@
 
 namespace tissue {
 
-/// The comma-separated fields of one file, line by line, with refusals that name the place. Knows no quotes: for what programs write, and
-/// what people do is read by CsvTable (io/csv_table.h). At most 1 MiB a line and 256 fields.
+/// The comma-separated fields of one file, line by line; errors name the place. Does not support quotes: for files that
+/// programs write. Files that people write are read by CsvTable (io/csv_table.h). At most 1 MiB per line and 256
+/// fields.
 class CsvLines {
    public:
     static constexpr std::size_t longest_line = std::size_t{1} << 20;
@@ -17,18 +18,20 @@ class CsvLines {
 
     /// Throws FileError when the file cannot be read.
     explicit CsvLines(const std::string& file);
-    /// Lines as they come; `name` stands for the file. The stream must outlive it.
+    /// Reads lines as they arrive; `name` names the stream in messages. The stream must outlive the object.
     CsvLines(std::istream& in, std::string name) : file_(std::move(name)), in_(&in) {}
 
-    /// To the next line; false at the end. Line ends of any system. Throws FileError for a line that is too long.
+    /// Advances to the next line; false at the end. Accepts line ends of any system. Throws FileError for a line that
+    /// is too long.
     bool next();
 
-    const std::string& text() const { return text_; }  ///< of the line
-    int number() const { return number_; }             ///< of the line, from 1
+    const std::string& text() const { return text_; }  ///< the line
+    int number() const { return number_; }             ///< number of the line, from 1
     std::size_t size() const { return fields_.size(); }
     const std::string& field(std::size_t i) const { return fields_[i]; }
 
-    /// A field as a finite number; where people write, blanks about it and a leading + are passed over. Throws FileError with the place and, if given, the column's name.
+    /// A field as a finite number. In files of people (CsvTable) spaces around it and a leading + are ignored. Throws
+    /// FileError with the place and, if given, the column's name.
     double number(std::size_t i, const std::string& column = "") const;
 
     /// Throws FileError: "FILE:LINE: WHY".
@@ -41,7 +44,7 @@ class CsvLines {
 
     virtual bool of_people() const { return false; }
 
-    bool next_text();  ///< the line alone, no fields
+    bool next_text();  ///< reads the line without splitting it
     [[noreturn]] void refuse_fields() const;
 
     std::string text_;
@@ -52,7 +55,7 @@ class CsvLines {
     std::istringstream read_;
     std::istream* in_ = &read_;
     int number_ = 0;
-    bool after_return_ = false;  ///< a line feed that comes next ends no line of its own
+    bool after_return_ = false;  ///< the last line ended with a carriage return; a line feed that follows belongs to it
 };
 
 }  // namespace tissue

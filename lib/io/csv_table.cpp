@@ -12,7 +12,7 @@
 namespace tissue {
 namespace {
 
-/// Which one a header is separated by: what it has most of outside quotes.
+/// The separator of a header: the one that is most frequent outside quotes.
 char separator_of(const std::string& header) {
     char best = ',';
     std::ptrdiff_t most = 0;
@@ -39,14 +39,14 @@ bool CsvTable::next() {
 void CsvTable::check_encoding() {
     const auto begins = [&](std::string_view bytes) { return number() == 1 && text().compare(0, bytes.size(), bytes) == 0; };
     if (begins("\xff\xfe") || begins("\xfe\xff") || text().find('\0') != std::string::npos)
-        refuse("is not text of one byte a letter, but UTF-16 or no text at all; save it as CSV in UTF-8");
+        refuse("is not UTF-8, but UTF-16 or binary; save it as CSV in UTF-8");
     if (begins("PK\x03\x04")) refuse("is a spreadsheet, not text; save it as CSV in UTF-8");
     if (begins("\xef\xbb\xbf")) text_.erase(0, 3);
     using Utf = boost::locale::utf::utf_traits<char>;
     for (auto at = text_.cbegin(); at != text_.cend();) {
         const auto letter = at;
         if (boost::locale::utf::is_valid_codepoint(Utf::decode(at, text_.cend()))) continue;
-        refuse(fmt::format("byte {} (0x{:02x}) is not UTF-8, but Latin-1 or the like; save the file as UTF-8", letter - text_.cbegin() + 1,
+        refuse(fmt::format("byte {} (0x{:02x}) is not UTF-8, but Latin-1 or similar; save the file as UTF-8", letter - text_.cbegin() + 1,
                            static_cast<unsigned char>(*letter)));
     }
 }
@@ -54,7 +54,7 @@ void CsvTable::check_encoding() {
 void CsvTable::split() {
     if (separator_ == 0) separator_ = separator_of(text_);
     csv_parser parser;
-    if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0) refuse("cannot be read: no memory");
+    if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0) refuse("cannot be read: not enough memory");
     const std::unique_ptr<csv_parser, void (*)(csv_parser*)> freed(&parser, csv_free);
     csv_set_delim(&parser, static_cast<unsigned char>(separator_));
     const auto take = [](void* field, std::size_t size, void* fields) {

@@ -6,16 +6,18 @@
 
 namespace tissue {
 
-/// A CSV that people made: by a spreadsheet, by hand, by a robot's program. UTF-8 with or without a byte order mark; line ends of any system; fields
-/// separated by commas, semicolons or tabs, whichever the header has most of; fields in quotes (libcsv). Lines that begin with '#' are
-/// comments. Separators at the end of a line, with nothing behind them, make no fields beyond the header's. Another encoding is refused by its name, and so is a quote that does not end on its line.
+/// A CSV written by people: by a spreadsheet, by hand, by a robot's program. UTF-8 with or without a byte order mark;
+/// line ends of any system; fields separated by commas, semicolons or tabs, whichever is most frequent in the header;
+/// fields in quotes (libcsv). Lines that begin with '#' are comments. Trailing separators with nothing after them make
+/// no fields beyond those of the header. Refuses another encoding, with its name, and a quote that does not end on its
+/// line.
 class CsvTable : public CsvLines {
    public:
     using CsvLines::CsvLines;
 
-    /// To the next line that is not blank; false at the end. A comment has no fields.
+    /// Advances to the next line that is not blank; false at the end. A comment has no fields.
     bool next();
-    /// To the next line that is no comment either.
+    /// Advances to the next line that is not a comment either.
     bool next_row() {
         while (next())
             if (!is_comment()) return true;
@@ -28,8 +30,8 @@ class CsvTable : public CsvLines {
     void check_encoding();
     void split();
 
-    char separator_ = 0;       ///< not known before the header
-    std::size_t columns_ = 0;  ///< of the header
+    char separator_ = 0;       ///< 0: not known before the header
+    std::size_t columns_ = 0;  ///< in the header
 };
 
 }  // namespace tissue

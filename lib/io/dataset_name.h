@@ -4,7 +4,7 @@
 
 namespace tissue {
 
-/// Whether a text can name something in a file of ours, where it may stand in a path: not empty, "." or "..", without "/" and control
+/// Whether a text can name a dataset or a part of a path: not empty, "." or "..", and without "/" and control
 /// characters.
 bool can_name_a_dataset(const std::string& text);
 

@@ -29,7 +29,7 @@ bool matches(const std::string& pattern, const std::string& name) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) { return x == "NAME" || x == y; });
 }
 
-/// "S x 2" as {"S", "2"}; nothing of "".
+/// "S x 2" as {"S", "2"}; empty for "".
 std::vector<std::string> lengths_of(const std::string& shape) {
     std::vector<std::string> lengths;
     std::istringstream in(shape);
@@ -49,13 +49,13 @@ bool allowed(double value, const Values& v) {
     return std::isfinite(value) && value <= v.high && (v.low_open ? value > v.low : value >= v.low);
 }
 
-/// Why the rows are not what they must be; empty when they are.
+/// Why the rows violate the rule; empty when they do not.
 std::string wrong_rows(const Array& a, const DatasetRule& rule) {
     const std::size_t rows = a.shape.empty() ? 0 : a.shape[0], columns = rows > 0 ? a.values.size() / rows : 0;
     std::set<std::vector<double>> seen;
     if (rule.rows == Rows::unit && a.shape.size() == 1) {  // one vector
         const double square = std::inner_product(a.values.begin(), a.values.end(), a.values.begin(), 0.0);
-        return std::abs(std::sqrt(square) - 1) > 1e-6 ? "is not of length 1" : "";
+        return std::abs(std::sqrt(square) - 1) > 1e-6 ? "must have length 1" : "";
     }
     for (std::size_t r = 0; r < rows; ++r) {
         std::vector<double> row(a.values.begin() + static_cast<std::ptrdiff_t>(r * columns),
@@ -64,10 +64,10 @@ std::string wrong_rows(const Array& a, const DatasetRule& rule) {
             case Rows::any: return "";
             case Rows::unit:
                 if (std::abs(std::sqrt(std::inner_product(row.begin(), row.end(), row.begin(), 0.0)) - 1) > 1e-6)
-                    return fmt::format("row {} is not of length 1", r);
+                    return fmt::format("row {} must have length 1", r);
                 break;
             case Rows::ascending:
-                if (r > 0 && !(a.values[r] > a.values[r - 1])) return fmt::format("row {} is not larger than the one before", r);
+                if (r > 0 && !(a.values[r] > a.values[r - 1])) return fmt::format("row {} must be larger than the one before", r);
                 break;
             case Rows::distinct:
                 if (rule.values.kind == DatasetKind::integers) {
@@ -75,7 +75,7 @@ std::string wrong_rows(const Array& a, const DatasetRule& rule) {
                     if (const auto twice = std::adjacent_find(row.begin(), row.end()); twice != row.end())
                         return fmt::format("row {} names {} twice", r, *twice);
                 }
-                if (!seen.insert(row).second) return fmt::format("row {} stands twice", r);
+                if (!seen.insert(row).second) return fmt::format("row {} is present twice", r);
         }
     }
     return "";
@@ -120,7 +120,7 @@ const DatasetRule& TableReader::check_shape(const std::string& name) {
     const std::vector<std::size_t> shape = in_->shape(name);
     const bool texts = in_->kind(name) == DatasetKind::texts;
     if (texts != (rule.values.kind == DatasetKind::texts))
-        in_->refuse(name, texts ? "holds texts, wanted numbers" : "holds numbers, wanted texts");
+        in_->refuse(name, texts ? "has texts, must have numbers" : "has numbers, must have texts");
     const std::vector<std::string> wanted = lengths_of(rule.shape);
     bool fits = shape.size() == wanted.size();
     std::vector<std::string> said;
@@ -142,7 +142,7 @@ const DatasetRule& TableReader::check_shape(const std::string& name) {
             length_[letter] = shape[d];
     }
     if (!fits)
-        in_->refuse(name, fmt::format("is {}, wanted {}", shape.empty() ? "a single value" : fmt::format("{}", fmt::join(shape, " x ")),
+        in_->refuse(name, fmt::format("is {}, must be {}", shape.empty() ? "a single value" : fmt::format("{}", fmt::join(shape, " x ")),
                                       fmt::join(said, " x ")));
     return rule;
 }
@@ -184,8 +184,8 @@ std::vector<std::string> TableReader::texts(const std::string& name) {
     for (const std::string& text : texts) {
         if (!rule.values.name) continue;
         if (!can_name_a_dataset(text))
-            in_->refuse(name, "has a name that is empty, a folder's, or with a '/' or a control character");
-        if (!seen.insert(text).second) in_->refuse(name, fmt::format("'{}' stands twice", text));
+            in_->refuse(name, "has a name that is empty, '.' or '..', or has a '/' or a control character");
+        if (!seen.insert(text).second) in_->refuse(name, fmt::format("'{}' is present twice", text));
     }
     return texts;
 }

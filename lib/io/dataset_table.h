@@ -8,18 +8,18 @@
 
 namespace tissue {
 
-/// What every value of a dataset must be. Finite, unless NaN is said to be one, and so small that squares and sums of it
-/// stay finite: no tissue has 1e12 of anything in SI units.
+/// Allowed values of a dataset. They are finite, unless `nan` is set. By default they are within 1e12, so that squares
+/// and sums stay finite; no quantity of tissue reaches 1e12 in SI units.
 struct Values {
     DatasetKind kind = DatasetKind::numbers;
     double low = -1e12, high = 1e12;
     bool low_open = false;
-    bool nan = false;           ///< NaN stands for nothing there
-    std::string index_of = {};  ///< of integers: from 0 to one less than this length
-    bool name = false;          ///< of texts: not empty, of one line, without "/", none twice
+    bool nan = false;           ///< NaN is allowed and means a missing value
+    std::string index_of = {};  ///< for integers: 0 to this length - 1
+    bool name = false;          ///< for texts: valid names (can_name_a_dataset), all different
 
     static Values finite() { return {}; }
-    /// A place or a push [m]: the tick takes what runs farther for a fault.
+    /// A position or displacement [m]. The tick treats positions beyond 1 km as faults.
     static Values place() {
         Values v;
         v.low = -1e3;
@@ -27,7 +27,7 @@ struct Values {
         return v;
     }
     static Values positive() { return Values{}.above(0, true); }
-    /// A logarithm that an exponential survives, and products of a few such.
+    /// A logarithm whose exponential, and products of a few of these, stay finite.
     static Values logarithm() {
         Values v;
         v.low = -50;
@@ -62,30 +62,30 @@ struct Values {
     }
 };
 
-/// What must hold between a dataset's rows.
+/// Conditions between the rows of a dataset.
 enum class Rows {
     any,
-    distinct,   ///< no two alike, in whatever order a row's entries stand; of integers nor two alike entries in a row
+    distinct,   ///< no two rows have the same entries (integers: in any order, and none twice in a row)
     ascending,  ///< each value larger than the one before
-    unit        ///< vectors of length 1
+    unit        ///< rows of unit length
 };
 
-/// One dataset of a kind of file: what it is and must be. "NAME" in its name stands for any one group.
-/// Shape is as in results/FORMATS.md, "S x 2": a letter is a length, the same in every dataset of the file (of the group,
-/// where the name has a NAME); "C*" may be 0, every other may not.
+/// One dataset of a kind of file, and its conditions. "NAME" in its name matches any one group. The shape is as in
+/// results/FORMATS.md, such as "S x 2". A letter is a length that is the same in every dataset of the file (of the
+/// group, where the name has a NAME). "C*" may be 0; other lengths may not.
 struct DatasetRule {
     std::string name, shape;
     Values values;
     std::string units, description;
     Rows rows = Rows::any;
-    bool optional = false;  ///< files of earlier programs do not have it
+    bool optional = false;  ///< missing in files of earlier programs
 };
 
 using DatasetTable = std::vector<DatasetRule>;
 
 DatasetTable joined(DatasetTable table, const DatasetTable& more);
 
-/// The rule of a dataset. Throws std::logic_error when the table has none: the program's own mistake.
+/// The rule of a dataset. Throws std::logic_error when the table has none, which is an error in the program.
 const DatasetRule& rule_of(const DatasetTable& table, const std::string& name);
 
 /// Writes datasets with the units and the description of their rules.
@@ -93,14 +93,14 @@ class TableWriter {
    public:
     TableWriter(Hdf5Writer& out, const DatasetTable& table) : out_(out), table_(table) {}
 
-    /// Array, vector or field.
+    /// values: an Array, vector or field.
     template <class Numbers>
     void write(const std::string& name, const Numbers& values) {
         const DatasetRule& rule = rule_of(table_, name);
         out_.write(name, values, rule.units, rule.description + shape_words(rule));
     }
     void write_integers(const std::string& name, const std::vector<std::size_t>& shape, const std::vector<int>& values);
-    /// Any matrix of integers, row by row.
+    /// Any matrix of integers, in row-major order.
     template <class Matrix>
     void write_table(const std::string& name, const Matrix& m) {
         std::vector<int> values;
@@ -117,15 +117,15 @@ class TableWriter {
     const DatasetTable& table_;
 };
 
-/// Reads datasets and holds each against its rule. Throws FileError, "FILE: DATASET: WHY", for a dataset that is missing,
-/// of another type or shape, or with a value or rows that its rule does not allow.
-/// A copy knows the lengths met so far and goes its own way: one a group.
+/// Reads datasets and checks each against its rule. Throws FileError, "FILE: DATASET: WHY", for a dataset that is
+/// missing, of another type or shape, or with a value or rows that its rule does not allow. A copy starts with the
+/// lengths met so far and continues independently: use one per group.
 class TableReader {
    public:
     TableReader(const Hdf5Reader& in, const DatasetTable& table, std::map<std::string, std::size_t> lengths = {})
         : in_(&in), table_(&table), length_(std::move(lengths)) {}
 
-    /// Goes on with another table and the lengths met so far.
+    /// Continues with another table and the lengths met so far.
     void use(const DatasetTable& table) { table_ = &table; }
 
     bool has(const std::string& name) const { return in_->has(name); }
@@ -133,7 +133,7 @@ class TableReader {
     Eigen::VectorXd vector(const std::string& name);
     NodeField field(const std::string& name);
     std::vector<int> integers(const std::string& name);
-    /// R x Columns.
+    /// Integers (R x Columns).
     template <int Columns>
     Eigen::Matrix<int, Eigen::Dynamic, Columns> table_of(const std::string& name) {
         return field(name).template cast<int>();

@@ -18,7 +18,7 @@
 namespace tissue {
 namespace {
 
-constexpr int most_links = 40;  // as the system's own
+constexpr int most_links = 40;  // the limit of the Linux kernel
 
 enum class Last { folder, file, file_behind_links };
 
@@ -30,7 +30,7 @@ void prepend(std::deque<std::string>& parts, const std::string& path) {
     parts.insert(parts.begin(), first.begin(), first.end());
 }
 
-/// What a link of /proc/self/fd leads to; -1: it is no such link.
+/// The descriptor that an entry of /proc/self/fd stands for; -1: it is not such an entry.
 int descriptor_named(int folder, const std::string& name) {
     struct stat here {}, own {};
     if (::fstat(folder, &here) != 0 || ::stat("/proc/self/fd", &own) != 0 || here.st_dev != own.st_dev || here.st_ino != own.st_ino) return -1;
@@ -43,10 +43,10 @@ OpenFolder begin(int from, const std::string& path) {
     return OpenFolder(::openat(from, path[0] == '/' ? "/" : ".", O_PATH | O_DIRECTORY | O_CLOEXEC));
 }
 
-/// Goes along a path part by part, and looks at every link before it is followed.
+/// Walks along a path, part by part, and checks every link before following it.
 OpenPlace walk(int from, const std::string& path, const std::string& named, OpenFolder::Missing missing, Last end) {
     const auto fail = [&](const std::string& why) { throw FileError(fmt::format("{}: cannot write: {}", named, why)); };
-    const auto is_folder = [&] { return FileError(named + ": is a folder's name, wanted a file's"); };
+    const auto is_folder = [&] { return FileError(named + ": is the name of a folder; give that of a file"); };
     if (end == Last::file_behind_links && !path.empty() && path.back() == '/') throw is_folder();
     std::deque<std::string> left;
     prepend(left, path);
@@ -77,7 +77,7 @@ OpenPlace walk(int from, const std::string& path, const std::string& named, Open
             at = std::move(next);
             continue;
         }
-        if (status.st_uid != ::geteuid() && status.st_uid != 0) fail(fmt::format("'{}' is a link of another user, which is not followed: give the path that it leads to", part));
+        if (status.st_uid != ::geteuid() && status.st_uid != 0) fail(fmt::format("'{}' is a link of another user, which is not followed: give the path of its target", part));
         if (const int open = descriptor_named(at->descriptor(), part); last && open >= 0) return arrived(part, open);
         if (++links > most_links) fail(std::strerror(ELOOP));
         std::string target(4096, '\0');
@@ -89,7 +89,7 @@ OpenPlace walk(int from, const std::string& path, const std::string& named, Open
         if (target[0] == '/') at = std::make_unique<OpenFolder>(begin(AT_FDCWD, target));
     }
     if (end != Last::folder && path.empty()) fail(std::strerror(ENOENT));
-    if (end != Last::folder) throw is_folder();  // /, or a link that leads there
+    if (end != Last::folder) throw is_folder();  // "/", or a link to it
     return arrived("");
 }
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <vector>
 
-/// What writing and reading HDF5 have in common (hdf5_store.h); nothing else includes it.
+/// Common parts of reading and writing HDF5 (hdf5_store.h); included by nothing else.
 namespace tissue {
 
-/// An HDF5 handle that closes itself. A negative one is a failed call.
+/// An HDF5 handle that closes itself. A negative handle is a failed call.
 class Hdf5Handle {
    public:
     Hdf5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -25,17 +25,17 @@ class Hdf5Handle {
     herr_t (*close_)(hid_t);
 };
 
-/// HDF5 prints a stack of its own on every failed call; our one line says what matters. Nor may it tidy up at exit: it
-/// would close again, and crash on, a file that a full disk did not let it close.
+/// Turns off HDF5's error stack, which it prints for every failed call; our messages are one line. Also turns off its
+/// cleanup at exit, which would crash on closing again a file that a full disk did not let it close.
 inline void silence_hdf5() {
     H5dont_atexit();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-/// Of one dataset. A file may claim any size, but no file of ours comes near.
+/// Per dataset. A file may claim any size; files of this project are far smaller.
 constexpr std::size_t most_values = std::size_t{1} << 32;
 
-/// At most most_values + 1, however long the sides are.
+/// Product of the sides, limited to most_values + 1.
 inline std::size_t product(const std::vector<std::size_t>& shape) {
     std::size_t values = 1;
     if (std::find(shape.begin(), shape.end(), std::size_t{0}) != shape.end()) return 0;
@@ -43,7 +43,8 @@ inline std::size_t product(const std::vector<std::size_t>& shape) {
     return values;
 }
 
-/// Texts of `length` bytes, padded with zeros. HDF5 does not take UTF-8 for ASCII: a reader asks for the set that is stored.
+/// Type of texts of `length` bytes, padded with zeros. HDF5 does not convert between UTF-8 and ASCII: a reader must use
+/// the character set of the file.
 inline hid_t text_type(std::size_t length, H5T_cset_t set = H5T_CSET_UTF8) {
     const hid_t type = H5Tcopy(H5T_C_S1);
     H5Tset_size(type, std::max<std::size_t>(length, 1));

@@ -21,13 +21,13 @@
 namespace tissue {
 namespace {
 
-/// Of one file in memory, of all its packed datasets together: a few bytes of gzip may stand for a thousand times as many.
+/// Limit of all packed datasets of one file in memory: a few bytes of gzip may expand a thousandfold.
 constexpr std::size_t most_unpacked = std::size_t{256} << 20;
 
-/// Of any file of ours there are far fewer, and shorter ones.
+/// Files of this project have far fewer and shorter names.
 constexpr std::size_t most_names = std::size_t{1} << 16, longest_name = 1024, deepest_group = 32;
 
-/// Length of the UTF-8 character that begins at i; 0: none does (Unicode 15, table 3-7).
+/// Length of the UTF-8 character that begins at i; 0: there is none (Unicode 15, table 3-7).
 std::size_t character_at(const std::string& text, std::size_t i) {
     const auto byte = [&](std::size_t k) -> int { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0; };
     const auto follow = [&](std::size_t from, std::size_t to) {
@@ -43,29 +43,32 @@ std::size_t character_at(const std::string& text, std::size_t i) {
     return 0;
 }
 
-/// Names and texts of ours are lines of UTF-8; one that is not, in a file of somebody's, breaks no line and no JSON of what we print.
+/// Makes a text one line of valid UTF-8. Names and texts of foreign files may not be, and would break messages and
+/// JSON.
 std::string one_line(std::string text) {
     for (std::size_t i = 0; i < text.size();) {
         const std::size_t length = character_at(text, i);
         const auto c = static_cast<unsigned char>(text[i]);
         if (length == 0 || c < ' ' || c == 127) text[i] = '?';
-        if (length == 2 && c == 0xC2 && static_cast<unsigned char>(text[i + 1]) < 0xA0) text.replace(i, 2, "??");  // C1: terminals obey it, too
+        // C1 controls: terminals obey them, too
+        if (length == 2 && c == 0xC2 && static_cast<unsigned char>(text[i + 1]) < 0xA0) text.replace(i, 2, "??");
         i += length == 0 ? 1 : length;
     }
     return text;
 }
 
-/// Access to what has a name, by links that stay within the file: a stranger's could name any file of this machine, or one that never answers.
+/// Access property list whose links must stay within the file: a foreign file may link to any file of this machine, or
+/// to one that never answers.
 hid_t within_file() {
     static const hid_t access = [] {
-        const hid_t made = H5Pcreate(H5P_DATASET_ACCESS);  // a link's access, too
+        const hid_t made = H5Pcreate(H5P_DATASET_ACCESS);  // also applies to links
         H5Pset_elink_cb(made, [](const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) -> herr_t { return -1; }, nullptr);
         return made;
     }();
     return access;
 }
 
-/// Whether its values lie in this file, not in others that it names.
+/// Whether the values of a dataset are in this file, not in others.
 bool holds_values(hid_t dataset) {
     const Hdf5Handle creation(H5Dget_create_plist(dataset), H5Pclose);
     return H5Pget_layout(creation) != H5D_VIRTUAL && H5Pget_external_count(creation) == 0;
@@ -73,7 +76,8 @@ bool holds_values(hid_t dataset) {
 
 enum class Packing { none, gzip, other };
 
-/// Checksums and the order of bytes pack nothing. Other filters than gzip may be programs that HDF5 loads, or claim any size.
+/// Checksums and byte shuffling do not pack. Filters other than gzip may be programs that HDF5 loads, or may claim any
+/// size.
 Packing packing_of(hid_t creation) {
     Packing packing = Packing::none;
     for (int i = 0; i < H5Pget_nfilters(creation); ++i) {
@@ -88,7 +92,8 @@ Packing packing_of(hid_t creation) {
     return packing;
 }
 
-/// Values that its pieces hold, of which the last reach beyond its shape; of what has no pieces, its values.
+/// Number of values in the chunks of a dataset, the last of which may reach beyond its shape; without chunks, the
+/// number of its values.
 std::size_t values_in_pieces(hid_t creation, const std::vector<std::size_t>& shape) {
     if (H5Pget_layout(creation) != H5D_CHUNKED) return product(shape);
     std::vector<hsize_t> piece(shape.size());
@@ -101,20 +106,22 @@ std::size_t values_in_pieces(hid_t creation, const std::vector<std::size_t>& sha
     return product(whole);
 }
 
-/// Integers or floating point of a size that HDF5 reads as it stands: of a larger one it makes a buffer of that size a value.
+/// Integers or floating point numbers of at most 8 bytes. For larger values HDF5 allocates a buffer of that size per
+/// value.
 bool is_number(hid_t type) {
     const H5T_class_t kind = H5Tget_class(type);
     return (kind == H5T_FLOAT || kind == H5T_INTEGER) && H5Tget_size(type) <= sizeof(double);
 }
 
-/// One value, not many: reading many into one would write past it.
+/// Whether an attribute has exactly one value: reading more into one variable would write past it.
 bool is_single(hid_t attribute) {
     const Hdf5Handle space(H5Aget_space(attribute), H5Sclose);
     return H5Sget_simple_extent_npoints(space) == 1;
 }
 
-/// Such texts lie in a heap that no checksum covers, and one that is damaged or made on purpose leads libhdf5 1.10 out of its memory.
-constexpr const char* any_length = "of any length, which no checksum covers: make the file anew, or store texts of fixed lengths";
+/// Texts of variable length are in a heap that no checksum covers. A damaged or malicious heap makes libhdf5 1.10
+/// access memory that is not its own.
+constexpr const char* any_length = "of variable length, which no checksum covers: make the file again, or store texts of fixed length";
 
 bool read_text(hid_t attribute, hid_t stored, std::string& value) {
     constexpr std::size_t longest = std::size_t{1} << 20;
@@ -126,13 +133,14 @@ bool read_text(hid_t attribute, hid_t stored, std::string& value) {
     return true;
 }
 
-/// After HDF5 has refused it.
+/// The cause, after HDF5 has refused to open a file.
 std::string why_not_opened(const std::string& file) {
     const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor < 0) return fmt::format(": cannot read: {}", std::strerror(errno));
-    const bool held = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;  // as HDF5 locks what it writes
+    // HDF5 locks files that it writes
+    const bool held = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     ::close(descriptor);
-    return held ? ": is open for writing in another program, which holds its lock: close it there" : ": is not an HDF5 file, or is truncated";
+    return held ? ": is open for writing in another program: close it there" : ": is not an HDF5 file, or is truncated";
 }
 
 }  // namespace
@@ -140,7 +148,7 @@ std::string why_not_opened(const std::string& file) {
 Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::move(file)) {
     silence_hdf5();
     std::error_code error;
-    if (std::filesystem::is_directory(file_, error)) throw FileError(file_ + ": is a folder, wanted a file");
+    if (std::filesystem::is_directory(file_, error)) throw FileError(file_ + ": is a folder; give a file");
     if (!std::filesystem::is_regular_file(file_, error)) throw FileError(file_ + ": there is no such file");
     bytes_ = std::filesystem::file_size(file_, error);
     id_ = H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -152,12 +160,12 @@ Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::m
         if (file_version > last_format_version)
             refuse("/", fmt::format("format version {} is later than this program's {}", file_version, last_format_version));
         if (file_version > law_format_version && file_version < solid_format_version)
-            refuse("/", fmt::format("format version {} was of solids under discs with another energy; make it anew", file_version));
+            refuse("/", fmt::format("format version {} has another energy for solids under discs and is not supported; make the file again", file_version));
         if (file_version > adapted_format_version && file_version < embedded_format_version)
-            refuse("/", fmt::format("format version {} was of solids in space whose contacts were others; make it anew", file_version));
+            refuse("/", fmt::format("format version {} has another contact for solids and is not supported; make the file again", file_version));
         const std::string file_kind = text_attribute("/", "kind");
         if (!kind.empty() && file_kind != kind)
-            refuse("/", fmt::format("holds '{}', wanted '{}'", file_kind, kind));
+            refuse("/", fmt::format("has kind '{}', must have kind '{}'", file_kind, kind));
     } catch (...) {
         H5Fclose(id_);
         throw;
@@ -169,7 +177,7 @@ Hdf5Reader::~Hdf5Reader() {
 }
 
 void Hdf5Reader::refuse(const std::string& place, const std::string& why) const {
-    throw FileError(one_line(fmt::format("{}: {}: {}", file_, place, why)));  // names in a file may be anything
+    throw FileError(one_line(fmt::format("{}: {}: {}", file_, place, why)));  // names in a file may contain anything
 }
 
 bool Hdf5Reader::has(const std::string& name) const {
@@ -182,18 +190,18 @@ std::size_t Hdf5Reader::count_of(const std::string& name, long long dataset, std
     const std::size_t count = product(shape), stored = values_in_pieces(creation, shape);
     if (count == 0) return 0;
     const Packing packing = packing_of(creation);
-    if (packing == Packing::other) refuse(name, "is packed by another filter than gzip");
-    // what a file holds: the space of its values, as it lists them, and no more than its bytes
+    if (packing == Packing::other) refuse(name, "is compressed by a filter other than gzip");
+    // the file holds at most the storage that HDF5 reports for the values, and no more than its own bytes
     const std::size_t held = std::min<std::size_t>(H5Dget_storage_size(dataset), bytes_);
     if (stored > most_values || held == 0 || (packing == Packing::none && stored * H5Tget_size(type) > held))
-        refuse(name, "claims more values than the file can hold");
+        refuse(name, "declares more values than the file can contain");
     if (packing == Packing::none) return count;
-    // pieces are unpacked in memory before their values are
+    // whole chunks are unpacked in memory
     std::size_t& unpacked = unpacked_[name];
     unpacked = 0;
     const std::size_t others = std::accumulate(unpacked_.begin(), unpacked_.end(), std::size_t{0}, [](std::size_t sum, const auto& one) { return sum + one.second; });
     if (stored > (most_unpacked - others) / std::max(H5Tget_size(type), bytes_a_value))
-        refuse(name, fmt::format("is packed, and unpacked takes the file's datasets beyond {} MiB: unpack it first (h5repack -f NONE)", most_unpacked >> 20));
+        refuse(name, fmt::format("is compressed, and the file's datasets exceed {} MiB in memory: decompress it first (h5repack -f NONE)", most_unpacked >> 20));
     unpacked = stored * std::max(H5Tget_size(type), bytes_a_value);
     return count;
 }
@@ -236,7 +244,7 @@ std::vector<int> Hdf5Reader::integers(const std::string& name) const {
     const Array a = array(name);
     for (const double value : a.values)
         if (!(std::abs(value) <= 2147483647.0) || value != std::floor(value))
-            refuse(name, fmt::format("holds {}, which is not a whole number", value));
+            refuse(name, fmt::format("has {}, which is not a whole number", value));
     return {a.values.begin(), a.values.end()};
 }
 
@@ -244,7 +252,7 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& name) const {
     const Hdf5Handle dataset(open(name), H5Dclose);
     const Hdf5Handle stored(H5Dget_type(dataset), H5Tclose);
     if (H5Tget_class(stored) != H5T_STRING) refuse(name, "cannot be read as texts");
-    if (H5Tis_variable_str(stored) > 0) refuse(name, fmt::format("holds texts {}", any_length));
+    if (H5Tis_variable_str(stored) > 0) refuse(name, fmt::format("has texts {}", any_length));
     const std::size_t length = H5Tget_size(stored), count = count_of(name, dataset, length + sizeof(std::string));
     const Hdf5Handle type(text_type(length, H5Tget_cset(stored)), H5Tclose);
     std::string raw(count * length, '\0');
@@ -265,7 +273,7 @@ bool Hdf5Reader::has_attribute(const std::string& object, const std::string& key
 std::string Hdf5Reader::text_attribute(const std::string& object, const std::string& key) const {
     const Hdf5Handle attribute(H5Aopen_by_name(id_, object.c_str(), key.c_str(), H5P_DEFAULT, within_file()), H5Aclose);
     const Hdf5Handle stored(attribute.failed() ? -1 : H5Aget_type(attribute), H5Tclose);
-    if (H5Tis_variable_str(stored) > 0) refuse(object, fmt::format("attribute '{}' holds texts {}", key, any_length));
+    if (H5Tis_variable_str(stored) > 0) refuse(object, fmt::format("attribute '{}' has texts {}", key, any_length));
     std::string value;
     if (attribute.failed() || !is_single(attribute) || !read_text(attribute, stored, value)) refuse(object, "attribute '" + key + "' is missing");
     return one_line(value);
@@ -289,10 +297,11 @@ std::vector<std::string> Hdf5Reader::children(const std::string& group) const {
         all.emplace_back(name, ::strnlen(name, longest_name + 1));
         return all.size() > most_names || all.back().size() > longest_name ? 1 : 0;
     };
-    // as they come: to sort many itself, libhdf5 1.10 makes a table, and where the file is damaged frees the half of it that it has not filled
+    // in native order: to sort many names libhdf5 1.10 makes a table, and where the file is damaged it frees the part
+    // of the table that it has not filled
     const herr_t ended = H5Literate(place, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names);
     if (ended < 0) refuse(group, "cannot be listed: damaged");
-    if (ended > 0) refuse(group, fmt::format("holds more than {} names, or one of more than {} bytes", most_names, longest_name));
+    if (ended > 0) refuse(group, fmt::format("has more than {} names, or one of more than {} bytes", most_names, longest_name));
     std::sort(names.begin(), names.end());
     return names;
 }
@@ -301,16 +310,16 @@ std::vector<std::string> Hdf5Reader::datasets() const {
     std::vector<std::string> names;
     std::set<hobj_ref_t> seen;
     const std::function<void(const std::string&, std::size_t)> walk = [&](const std::string& group, std::size_t depth) {
-        if (depth > deepest_group) refuse(group, fmt::format("is a group within more than {} others", deepest_group));
+        if (depth > deepest_group) refuse(group, fmt::format("is nested in more than {} groups", deepest_group));
         for (const std::string& child : children(group)) {
             const std::string name = group == "/" ? "/" + child : group + "/" + child;
             const Hdf5Handle object(H5Oopen(id_, name.c_str(), within_file()), H5Oclose);
             if (H5Iget_type(object) == H5I_GROUP) {
                 hobj_ref_t address = 0;
-                if (H5Rcreate(&address, object, ".", H5R_OBJECT, -1) < 0 || !seen.insert(address).second) refuse(name, "is a group of another name, too");
+                if (H5Rcreate(&address, object, ".", H5R_OBJECT, -1) < 0 || !seen.insert(address).second) refuse(name, "is a group that also has another name");
                 walk(name, depth + 1);
             } else if (names.size() == most_names)
-                refuse(name, fmt::format("is one of more than {} datasets", most_names));
+                refuse(name, fmt::format("exceeds the limit of {} datasets", most_names));
             else
                 names.push_back(name);
         }
@@ -331,7 +340,7 @@ DatasetKind Hdf5Reader::kind(const std::string& dataset) const {
         case H5T_FLOAT: return DatasetKind::numbers;
         case H5T_INTEGER: return DatasetKind::integers;
         case H5T_STRING: return DatasetKind::texts;
-        default: refuse(dataset, "holds neither numbers nor texts");
+        default: refuse(dataset, "has neither numbers nor texts");
     }
 }
 

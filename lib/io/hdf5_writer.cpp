@@ -14,7 +14,8 @@ std::vector<hsize_t> to_hsize(const std::vector<std::size_t>& shape) {
     return {shape.begin(), shape.end()};
 }
 
-/// A text of any length lies in a heap without checksum: ours have the length that they have, in the object's header.
+/// Writes a text of fixed length, which is stored in the object's header. Texts of variable length are in a heap
+/// without a checksum.
 void write_text_attribute(hid_t object, const std::string& key, const std::string& value,
                           const std::function<void(const char*)>& fail) {
     const Hdf5Handle type(text_type(value.size()), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
@@ -22,8 +23,8 @@ void write_text_attribute(hid_t object, const std::string& key, const std::strin
     if (attribute.failed() || H5Awrite(attribute, type, value.c_str()) < 0) fail("cannot write an attribute");
 }
 
-/// How a dataset of this shape is stored: in pieces of at most a mebibyte, whole rows of the first dimension, each with its checksum
-/// (HDF5 has them for pieces alone, and one number without dimensions has no pieces).
+/// Storage of a dataset of this shape: chunks of whole rows of the first dimension, at most 1 MiB unless one row is
+/// larger, each with a checksum. HDF5 supports checksums only for chunks, and a scalar has no chunks.
 hid_t checked_storage(const std::vector<std::size_t>& shape, std::size_t bytes_a_value) {
     constexpr std::size_t piece_bytes = std::size_t{1} << 20;
     const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
@@ -37,7 +38,7 @@ hid_t checked_storage(const std::vector<std::size_t>& shape, std::size_t bytes_a
     return creation;
 }
 
-/// Groups on the way to a dataset are made.
+/// Makes missing groups of a dataset's name.
 hid_t with_groups() {
     const hid_t links = H5Pcreate(H5P_LINK_CREATE);
     H5Pset_create_intermediate_group(links, 1);
@@ -67,11 +68,12 @@ Hdf5Writer::Hdf5Writer(std::string file, const std::string& kind, const Provenan
     const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_obj_track_times(creation, false);
     const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);  // headers and indices have checksums, which those before 1.10 do not
-    H5Pset_file_locking(access, false, true);  // beside_ has the lock
-    // by its descriptor: a link that takes its name meanwhile is not followed
+    // headers and indices have checksums only since 1.10
+    H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
+    H5Pset_file_locking(access, false, true);  // beside_ holds the lock
+    // by its descriptor, so that a link that replaces its name meanwhile is not followed
     id_ = H5Fcreate(fmt::format("/proc/self/fd/{}", beside_.descriptor()).c_str(), H5F_ACC_TRUNC, creation, access);
-    if (id_ < 0) throw FileError(file_ + ": cannot write: the folder is missing, full or may not be written to");
+    if (id_ < 0) throw FileError(file_ + ": cannot write: the folder is missing, full or not writable");
     attribute("/", "program", "tissuectl");
     attribute("/", "kind", kind);
     attribute("/", "format_version", version_of_format);
@@ -146,7 +148,8 @@ void Hdf5Writer::begin_rows(const std::string& name, int columns, const std::str
 
 void Hdf5Writer::append(const std::string& name, long long type, const void* values, std::size_t count) {
     if (count == 0) return;
-    silence_hdf5();  // of each thread by itself: a recording is written by another one than opened it
+    // the setting is per thread, and a recording is written by another thread than the one that opened it
+    silence_hdf5();
     const auto fail = [&](const char* why) { throw FileError(fmt::format("{}: {}: {}", file_, name, why)); };
     const Hdf5Handle dataset(H5Dopen2(id_, name.c_str(), H5P_DEFAULT), H5Dclose);
     if (dataset.failed()) fail("cannot find the dataset to append to");
@@ -185,7 +188,7 @@ void Hdf5Writer::attribute(const std::string& object, const std::string& key, do
 
 void Hdf5Writer::commit() {
     silence_hdf5();
-    // a full disk shows itself here at the latest, when HDF5 flushes what it held back
+    // a full disk is reported here at the latest, when HDF5 flushes its buffers
     const bool flushed = H5Fflush(id_, H5F_SCOPE_LOCAL) >= 0;
     const bool closed = H5Fclose(id_) >= 0;
     id_ = -1;

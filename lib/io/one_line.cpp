@@ -7,7 +7,7 @@
 namespace tissue {
 namespace {
 
-/// Bytes of the UTF-8 character that begins here; 0: none does.
+/// Length of the UTF-8 character that begins here; 0: there is none.
 std::size_t utf8_length(const std::string& text, std::size_t i) {
     const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
     const unsigned c = byte(i);

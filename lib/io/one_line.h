@@ -4,8 +4,8 @@
 
 namespace tissue {
 
-/// A text for a message, which is one line whatever a person wrote: control characters, and bytes that are
-/// no UTF-8, become \xNN. A terminal obeys them.
+/// A text as one line for a message: control characters, and bytes that are not UTF-8, become \xNN, because a terminal
+/// would execute them.
 std::string one_line(const std::string& text);
 
 }  // namespace tissue

@@ -12,8 +12,8 @@ namespace tissue {
 namespace {
 
 struct Tetrahedron {
-    Eigen::Vector3d first, low, high;  ///< corner 0; box
-    Eigen::Matrix3d inverse;           ///< of the sides from there
+    Eigen::Vector3d first, low, high;  ///< corner 0; lower and upper corner of the bounding box
+    Eigen::Matrix3d inverse;           ///< inverse of the matrix of the three edges from corner 0
 
     bool boxes(const Eigen::Vector3d& p, double more_m) const {
         return (p.array() >= low.array() - more_m).all() && (p.array() <= high.array() + more_m).all();
@@ -29,7 +29,7 @@ struct Tetrahedron {
 }  // namespace
 
 CarriedPoints carried_points(const SpringMesh& mesh, const NodeField& points) {
-    if (!mesh.is_solid()) throw MismatchError("points are carried inside a mesh in space, and this one is in the plane");
+    if (!mesh.is_solid()) throw MismatchError("points inside the tissue need a mesh in space, and this one is in the plane");
     std::vector<Tetrahedron> all;
     for (const auto& t : mesh.simplices.rowwise()) {
         Eigen::Matrix<double, 3, 4> corner;
@@ -42,7 +42,7 @@ CarriedPoints carried_points(const SpringMesh& mesh, const NodeField& points) {
     for (Eigen::Index v = 0; v < points.rows(); ++v) {
         const Eigen::Vector3d p = points.row(v).transpose();
         double best = -std::numeric_limits<double>::infinity();
-        // first those whose boxes have it; all of them where it lies in none
+        // first the tetrahedra whose box contains the point; all of them if the point lies in none
         for (const bool any : {false, true}) {
             if (any && best > -1e-6) break;
             for (std::size_t t = 0; t < all.size(); ++t) {

@@ -13,10 +13,10 @@
 namespace tissue {
 namespace {
 
-constexpr double farthest = 0.1;  ///< a vertex may lie from the boundary, of the mesh's size
+constexpr double farthest = 0.1;  ///< largest distance of a vertex from the boundary, over the mesh's size
 
 void refuse_the_plane(const SpringMesh& mesh) {
-    if (!mesh.is_solid()) throw MismatchError("the model is in the plane, and a surface is carried by one in space");
+    if (!mesh.is_solid()) throw MismatchError("the model is in the plane; surfaces need a model in space");
 }
 
 }  // namespace
@@ -44,7 +44,7 @@ CarriedSurface carried_surface(const SpringMesh& mesh, const MshFile& file, doub
     refuse_the_plane(mesh);
     if (file.triangles.empty()) throw MismatchError(file.file + ": has no triangles");
     CarriedSurface carried;
-    std::vector<int> used;  // points that a triangle has, ascending
+    std::vector<int> used;  // points of the triangles, ascending
     for (const MshFile::Element& e : file.triangles) used.insert(used.end(), e.node, e.node + 3);
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());
@@ -58,7 +58,8 @@ CarriedSurface carried_surface(const SpringMesh& mesh, const MshFile& file, doub
     for (Eigen::Index f = 0; f < F; ++f)
         for (int k = 0; k < 3; ++k)
             carried.facets(f, k) = static_cast<int>(std::lower_bound(used.begin(), used.end(), file.triangles[static_cast<std::size_t>(f)].node[k]) - used.begin());
-    if (enclosed_by({carried.vertices, carried.facets, {}}).volume_m3 < 0) carried.facets.col(1).swap(carried.facets.col(2));  // all of it points inwards
+    // a negative volume: all normals point inwards
+    if (enclosed_by({carried.vertices, carried.facets, {}}).volume_m3 < 0) carried.facets.col(1).swap(carried.facets.col(2));
 
     const NearestTriangle boundary({mesh.nodes, mesh.facets, std::vector<int>(static_cast<std::size_t>(mesh.facets.rows()), Surface::free_label)});
     const NodeField normals = vertex_normals(carried.vertices, carried.facets);
@@ -74,7 +75,7 @@ CarriedSurface carried_surface(const SpringMesh& mesh, const MshFile& file, doub
         carried.weight.row(v) = place.weight.transpose();
     }
     if (!(most_m <= farthest * mesh.size_m()))
-        throw MismatchError(fmt::format("{}: lies up to {:.3g} mm from the model, which is {:.3g} mm long: is it another organ's, or are its numbers in another unit than {:g} m?",
+        throw MismatchError(fmt::format("{}: is up to {:.3g} mm from the model, which is {:.3g} mm long: is it the surface of another organ, or is its unit not {:g} m?",
                                         file.file, 1e3 * most_m, 1e3 * mesh.size_m(), unit_m));
     return carried;
 }

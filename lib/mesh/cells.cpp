@@ -8,14 +8,14 @@ namespace tissue {
 Cells mesh_cells(const SpringMesh& mesh) {
     if (!mesh.embedding.empty()) return mesh.embedding.cubes;
     if (!on_lattice(mesh)) return mesh.simplices;
-    // a lattice cell's two triangles follow each other: (a, b, .) and (., c, d), whichever diagonal divides it
+    // the two triangles of a lattice cell are consecutive: (a, b, .) and (., c, d), with either diagonal
     Cells cells(mesh.simplices.rows() / 2, 4);
     for (Eigen::Index c = 0; c < cells.rows(); ++c) {
         const auto first = mesh.simplices.row(2 * c), second = mesh.simplices.row(2 * c + 1);
         cells.row(c) << first[0], first[1], second[1], second[2];
-        const bool rising = first[2] == second[1] && second[0] == first[0];   // divided from a to c
-        const bool falling = first[2] == second[2] && second[0] == first[1];  // from b to d
-        if (!rising && !falling) throw MismatchError("the triangles of the lattice do not pair up to its cells");
+        const bool rising = first[2] == second[1] && second[0] == first[0];   // diagonal from a to c
+        const bool falling = first[2] == second[2] && second[0] == first[1];  // diagonal from b to d
+        if (!rising && !falling) throw MismatchError("the triangles of the lattice do not form pairs in its cells");
     }
     return cells;
 }

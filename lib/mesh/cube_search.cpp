@@ -21,12 +21,12 @@ CubeWeights cube_weights(const Eigen::Vector3d& at) noexcept {
 }
 
 CubeSearch::CubeSearch(const NodeField& nodes, const Cells& cubes, double spacing_m) : spacing_m_(spacing_m) {
-    constexpr double most_places = 1e6;  // a lattice that is made has 200,000
+    constexpr double most_places = 1e6;  // embedded_lattice makes boxes of at most 200,000
     const NodeField low = nodes(cubes.col(0), Eigen::all);
     origin_m_ = low.colwise().minCoeff().transpose();
     const NodeField place = (low.rowwise() - origin_m_.transpose()) / spacing_m;
     const Eigen::RowVector3d size = place.colwise().maxCoeff().array().round() + 1;
-    if (!(size.prod() <= most_places)) throw MismatchError(fmt::format("cubes of {:g} mm stand in a box of {:g}; {:g} are possible", 1e3 * spacing_m, size.prod(), most_places));
+    if (!(size.prod() <= most_places)) throw MismatchError(fmt::format("cubes of {:g} mm are in a box of {:g} cubes; at most {:g} are possible", 1e3 * spacing_m, size.prod(), most_places));
     for (std::size_t d = 0; d < 3; ++d) size_[d] = static_cast<int>(size[static_cast<Eigen::Index>(d)]);
     cube_.assign(static_cast<std::size_t>(size.prod()), -1);
     for (Eigen::Index c = 0; c < cubes.rows(); ++c) {
@@ -34,7 +34,7 @@ CubeSearch::CubeSearch(const NodeField& nodes, const Cells& cubes, double spacin
         for (int k = 0; k < 8; ++k) {
             const Eigen::RowVector3d corner = whole + Eigen::RowVector3d(k & 1, k >> 1 & 1, k >> 2);
             if (!(((nodes.row(cubes(c, k)) - origin_m_.transpose()) / spacing_m - corner).cwiseAbs().maxCoeff() < 1e-6))
-                throw MismatchError(fmt::format("corner {} of cube {} does not stand on a lattice of {:g} mm", k, c, 1e3 * spacing_m));
+                throw MismatchError(fmt::format("corner {} of cube {} is not on a lattice of {:g} mm", k, c, 1e3 * spacing_m));
         }
         cube_[index({static_cast<int>(whole[0]), static_cast<int>(whole[1]), static_cast<int>(whole[2])})] = static_cast<int>(c);
     }
@@ -51,13 +51,13 @@ int CubeSearch::cube_at(const std::array<int, 3>& place) const noexcept {
 CubeSearch::Found CubeSearch::at(const Eigen::Vector3d& place_m) const noexcept {
     const Eigen::Vector3d local = (place_m - origin_m_) / spacing_m_;
     std::array<int, 3> here{}, best{};
-    for (std::size_t d = 0; d < 3; ++d)  // beyond the box, but within what an int can say
+    for (std::size_t d = 0; d < 3; ++d)  // clamped just outside the box, so that it fits an int
         here[d] = static_cast<int>(std::floor(std::clamp(local[static_cast<Eigen::Index>(d)], -2.0, size_[d] + 1.0)));
     Found found;
     found.cube = cube_at(here);
     best = here;
     if (found.cube < 0) {
-        // the cube over the nearest face, where there is one and no other face is as near: all others are farther
+        // the cube over the nearest face: if it has tissue and no other face is as near, all other cubes are farther
         std::array<int, 3> over = here;
         double nearest = std::numeric_limits<double>::infinity();
         bool alone = false;

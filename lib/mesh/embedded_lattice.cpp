@@ -16,14 +16,14 @@
 namespace tissue {
 namespace {
 
-constexpr int parts = 6;  // of a cube, along each axis
+constexpr int parts = 6;  // of a cube along each axis
 constexpr double least_fraction = 0.02, least_mass = 0.02;
 constexpr int most_cubes = 100'000;
-constexpr double most_in_all = 200'000;  // in the box about the solid: their parts are kept at once
+constexpr double most_in_all = 200'000;  // cubes of the bounding box: the parts of all are in memory at once
 
 using Triple = std::array<int, 3>;
 
-/// Where the lattice is: node (0, 0, 0), and its cubes along each axis.
+/// Position of the lattice: node (0, 0, 0) [m], number of cubes along each axis, and edge h of a cube [m].
 struct Frame {
     Eigen::Vector3d origin_m;
     Triple cubes;
@@ -31,7 +31,7 @@ struct Frame {
     Eigen::Vector3d local(const Eigen::Vector3d& place_m) const { return (place_m - origin_m) / h; }
 };
 
-/// shift: in edges, 0 to 1.
+/// shift: in cube edges along each axis, 0 to 1.
 Frame frame_of(const Shape& shape, double h, const Eigen::Vector3d& shift) {
     Frame frame{{}, {}, h};
     double all = 1;
@@ -43,7 +43,7 @@ Frame frame_of(const Shape& shape, double h, const Eigen::Vector3d& shift) {
                 first = std::min(first, shape.nodes(node, d));
                 last = std::max(last, shape.nodes(node, d));
             }
-        if (last - first < 1e-6 * (high - low)) {  // a held plane
+        if (last - first < 1e-6 * (high - low)) {  // the fixed surface is a plane
             const double below = std::ceil((first - low - slack) / h);
             frame.origin_m[d] = first - h * below;
         } else {
@@ -52,19 +52,20 @@ Frame frame_of(const Shape& shape, double h, const Eigen::Vector3d& shift) {
         if (shift[d] > 0) frame.origin_m[d] -= h * (1 - shift[d]);
         const double along = std::max(1.0, std::ceil((high - slack - frame.origin_m[d]) / h));
         all *= along;
-        if (!(all <= most_in_all)) throw MismatchError(fmt::format("a lattice of {:g} mm over this solid has {:.3g} cubes and more; {:g} are possible, empty ones too", 1e3 * h, all, most_in_all));
+        if (!(all <= most_in_all)) throw MismatchError(fmt::format("a lattice of {:g} mm over this solid has at least {:.3g} cubes; at most {:g} are possible, empty ones included", 1e3 * h, all, most_in_all));
         frame.cubes[static_cast<std::size_t>(d)] = static_cast<int>(along);
     }
     return frame;
 }
 
-/// Tissue in the cubes of a frame, in parts of each: fill of part (i, j, k) of the whole grid of parts.
+/// Tissue fraction of part (i, j, k) in the grid of all cubes' parts.
 class Fill {
    public:
     Fill(const Shape& shape, const Frame& frame) : size_{parts * frame.cubes[0], parts * frame.cubes[1], parts * frame.cubes[2]} {
         fill_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) * static_cast<std::size_t>(size_[2]), 0);
-        std::vector<std::vector<std::pair<double, int>>> crossings(static_cast<std::size_t>(size_[0] * size_[1]));  // of each line: height in parts, into the solid 1, out of it -1
-        // lines a hair off the middle, so that none meets an edge of a mesh whose nodes lie on round numbers
+        // of each line with the surface: height in parts, and 1 into the solid or -1 out of it
+        std::vector<std::vector<std::pair<double, int>>> crossings(static_cast<std::size_t>(size_[0] * size_[1]));
+        // lines slightly off the parts' centres, so that no line meets an edge of a mesh with round coordinates
         const Eigen::Vector2d off = Eigen::Vector2d(0.5, 0.5) + 1e-6 * Eigen::Vector2d(1.234567, 0.765432);
         const Cells facets = open_faces(shape.simplices);
         for (Eigen::Index f = 0; f < facets.rows(); ++f) {
@@ -112,10 +113,10 @@ class Fill {
     std::vector<double> fill_;
 };
 
-/// What of a cube is tissue.
+/// The tissue in one cube: fraction of the volume, H of each corner, centroid from corner 0 in edges.
 struct Part {
     double fraction = 0;
-    Eigen::Matrix<double, 1, 8> hat = Eigen::Matrix<double, 1, 8>::Zero();  ///< H
+    Eigen::Matrix<double, 1, 8> hat = Eigen::Matrix<double, 1, 8>::Zero();  ///< H_n
     Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
 };
 
@@ -134,7 +135,7 @@ Part part_of(const Fill& fill, const Triple& cube) {
     return part;
 }
 
-/// How many parts cubes make that share no corner.
+/// Number of connected sets of cubes. Cubes that share a corner are connected.
 int pieces(const Cells& cubes) {
     std::map<int, int> parent;
     const auto root = [&](int node) {
@@ -173,11 +174,12 @@ SpringMesh shifted_lattice(const Shape& shape, double spacing_m, const Eigen::Ve
                 part.push_back(here);
             }
     if (cubes.empty() || cubes.size() > most_cubes)
-        throw MismatchError(fmt::format("a lattice of {:g} mm has {} cubes with tissue in them; 1 to {} are possible", 1e3 * spacing_m, cubes.size(), most_cubes));
+        throw MismatchError(fmt::format("a lattice of {:g} mm has {} cubes with tissue; 1 to {} are possible", 1e3 * spacing_m, cubes.size(), most_cubes));
 
-    // the lattice's nodes after the solid's, along x first: cubes and springs that follow each other lie in runs
+    // lattice nodes follow the solid's, x fastest, so that consecutive cubes and springs have consecutive nodes
     const int K = static_cast<int>(shape.nodes.rows());
-    const auto corner = [](const Triple& cube, int k) { return Triple{cube[2] + (k >> 2), cube[1] + (k >> 1 & 1), cube[0] + (k & 1)}; };  // z, y, x
+    // lattice coordinates z, y, x of a cube's corner k
+    const auto corner = [](const Triple& cube, int k) { return Triple{cube[2] + (k >> 2), cube[1] + (k >> 1 & 1), cube[0] + (k & 1)}; };
     std::map<Triple, int> number;
     for (const Triple& cube : cubes)
         for (int k = 0; k < 8; ++k) number[corner(cube, k)] = 0;
@@ -214,7 +216,7 @@ SpringMesh shifted_lattice(const Shape& shape, double spacing_m, const Eigen::Ve
             mesh.node_measure[embedding.cubes(c, i)] += own.fraction * volume / 8;
             for (int j = i + 1; j < 8; ++j) {
                 const int across = i ^ j, axes = __builtin_popcount(static_cast<unsigned>(across));
-                double counted = 0;  // over the corners that share what the spring's ends have in common
+                double counted = 0;  // sum of H over the edge, face or cube that the spring spans
                 for (int k = 0; k < 8; ++k) counted += ((k ^ i) & ~across) == 0 ? own.hat[k] : 0;
                 springs[std::minmax(embedding.cubes(c, i), embedding.cubes(c, j))] += spring_share(axes) * (8 >> axes) * counted * volume;
             }
@@ -235,11 +237,11 @@ SpringMesh shifted_lattice(const Shape& shape, double spacing_m, const Eigen::Ve
     for (int i = 0; i < K; ++i) {
         const CubeSearch::Found found = search.at(shape.nodes.row(i).transpose());
         if (found.cube < 0 || found.away >= 1)
-            throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: a part of it is far from every cube with tissue in it", 1e3 * spacing_m));
+            throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: a part of it is far from every cube with tissue", 1e3 * spacing_m));
         embedding.corner.row(i) = embedding.cubes.row(found.cube);
         embedding.weight.row(i) = found.weight;
     }
-    if (pieces(embedding.cubes) > 1) throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: it falls apart where the solid is thin", 1e3 * spacing_m));
+    if (pieces(embedding.cubes) > 1) throw MismatchError(fmt::format("a lattice of {:g} mm is too coarse for this solid: it is not connected where the solid is thin", 1e3 * spacing_m));
     return mesh;
 }
 

@@ -7,7 +7,7 @@
 namespace tissue {
 namespace {
 
-/// Twice the area of a triangle, along its normal.
+/// Normal of a triangle, as long as twice its area [m^2].
 Eigen::Vector3d twice_area(const NodeField& nodes, const Cells& facets, Eigen::Index f) {
     const Eigen::RowVector3d a = nodes.row(facets(f, 0)), b = nodes.row(facets(f, 1)), c = nodes.row(facets(f, 2));
     return (b - a).cross(c - a).transpose();
@@ -16,7 +16,7 @@ Eigen::Vector3d twice_area(const NodeField& nodes, const Cells& facets, Eigen::I
 }  // namespace
 
 FacetPoint nearest_on_facet(const NodeField& nodes, const Cells& facets, Eigen::Index facet, const Point& position_m) {
-    const auto on_segment = [&](int i, int j) {  // its two weights in the first two places
+    const auto on_segment = [&](int i, int j) {  // the weights of i and j are the first two
         const Point from = nodes.row(facets(facet, i)).transpose(), along = nodes.row(facets(facet, j)).transpose() - from;
         const double w = std::clamp((position_m - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
         return FacetPoint{(from + w * along - position_m).norm(), {1 - w, w, 0}};

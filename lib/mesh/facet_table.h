@@ -6,19 +6,20 @@
 
 namespace tissue {
 
-/// A scalar over triangular facets, linear over parts of each. A facet has parts^2 equal triangles; their (parts + 1)(parts + 2) / 2 corners are numbered by i, then j, at
-/// weights (i, j, parts - i - j) / parts of its nodes.
+/// A scalar field on triangular facets. A facet is divided into parts^2 equal triangles, and the field is linear on
+/// each. Their (parts + 1)(parts + 2) / 2 corners are numbered by i, then j. At corner (i, j) the weights of the
+/// facet's nodes are (i, j, parts - i - j) / parts.
 struct FacetTable {
-    NodeField value;  ///< of each facet at each corner (F x V); no rows: 0 everywhere
+    NodeField value;  ///< at each corner of each facet (F x V); no rows: 0 everywhere
 
     static int corner_count(int parts) { return (parts + 1) * (parts + 2) / 2; }
-    /// Parts of a table of so many columns; 0 where no table has them.
+    /// `parts` of a table with this number of columns; 0 if no table has it.
     static int parts_of(Eigen::Index columns) {
         int parts = 1;
         while (corner_count(parts) < columns) ++parts;
         return corner_count(parts) == columns ? parts : 0;
     }
-    /// Weights of the corners (V x 3).
+    /// Weights of the facet's nodes at the corners (V x 3).
     static NodeField corners(int parts) {
         NodeField weight(corner_count(parts), 3);
         for (int i = 0; i <= parts; ++i)
@@ -26,7 +27,7 @@ struct FacetTable {
         return weight;
     }
 
-    /// At weights of a facet's nodes, which are >= 0 and sum to 1. Allocates nothing.
+    /// Value at a point of a facet. weight: of the facet's nodes, >= 0, sum 1. Allocates nothing.
     double at(Eigen::Index facet, const Eigen::Vector3d& weight) const noexcept {
         if (value.rows() == 0) return 0;
         const int parts = parts_of(value.cols());

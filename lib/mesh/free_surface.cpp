@@ -13,7 +13,7 @@
 namespace tissue {
 namespace {
 
-constexpr double crease = 0.70710678118654752;  // cos 45: where it turns by less it is taken as curved
+constexpr double crease = 0.70710678118654752;  // cos 45: the surface counts as curved where it turns by less
 constexpr double same_side = 0.5;               // cos 60
 
 Cells chosen(const Cells& facets, const std::vector<Eigen::Index>& rows) {
@@ -56,7 +56,7 @@ FreeSurface::FreeSurface(const SpringMesh& mesh) : rest_(mesh.nodes), around_(st
         ends_.resize(static_cast<Eigen::Index>(ends.size()), 2);
         for (std::size_t e = 0; e < ends.size(); ++e) ends_.row(static_cast<Eigen::Index>(e)) << ends[e][0], ends[e][1];
     }
-    // squares of a side h divide into two triangles of h^2 / 2
+    // a square of side h has two triangles of area h^2 / 2
     spacing_m_ = mesh.is_solid() ? std::sqrt(2 * measure_.mean()) : measure_.mean();
     for (int node = 0; node < mesh.node_count(); ++node) {
         const std::vector<Eigen::Index>& here = around_[static_cast<std::size_t>(node)];
@@ -78,10 +78,10 @@ FreeSurface::FreeSurface(const SpringMesh& mesh) : rest_(mesh.nodes), around_(st
     join_facets();
 }
 
-/// Which free facet is beside which: over a segment's ends, over a triangle's edges.
+/// Finds the neighbours of each free facet: across the ends of a segment or the edges of a triangle.
 void FreeSurface::join_facets() {
     const Eigen::Index corners = facets_.cols();
-    std::map<std::array<int, 2>, std::vector<Eigen::Index>> sides;  // of each, 2 or 3 times its facet and which of its sides
+    std::map<std::array<int, 2>, std::vector<Eigen::Index>> sides;  // free facets at each end or edge
     const auto side = [&](Eigen::Index f, Eigen::Index k) {
         const int from = facets_(f, k), to = corners == 2 ? from : facets_(f, (k + 1) % corners);
         return std::array<int, 2>{std::min(from, to), std::max(from, to)};
@@ -132,7 +132,7 @@ FreeSurface::Place FreeSurface::place(Eigen::Index facet, const Eigen::Vector3d&
 
 FreeSurface::Walk FreeSurface::walk(int facet, const Eigen::Vector3d& weight, const Point& along_m) const noexcept {
     constexpr int most_facets = 1000;
-    constexpr double on_border = 1e-12;  // of the way: what is left of it by rounding
+    constexpr double on_border = 1e-12;  // a smaller fraction of the path is rounding error
     Walk walk{facet, weight, along_m, 0, false};
     Eigen::Index f = free_of_[static_cast<std::size_t>(facet)];
     if (f < 0) {
@@ -150,9 +150,9 @@ FreeSurface::Walk FreeSurface::walk(int facet, const Eigen::Vector3d& weight, co
     Eigen::Vector3d way = in_space(along_m), w = weight;
     way -= way.dot(inward(f)) * inward(f);
     const double whole_m = way.norm();
-    double left = 1;  // part of the way
+    double left = 1;  // fraction of the path not walked yet
     for (int step = 0; step < most_facets && whole_m > 0 && left > on_border; ++step) {
-        // how the weights change along the whole way
+        // change of the weights along the whole path
         Eigen::Vector3d change = Eigen::Vector3d::Zero();
         const Eigen::Vector3d a = corner(f, 1) - corner(f, 0);
         if (corners == 2) {
@@ -165,7 +165,7 @@ FreeSurface::Walk FreeSurface::walk(int facet, const Eigen::Vector3d& weight, co
         }
         change[0] = -change[1] - change[2];
         double part = left;
-        Eigen::Index out = -1;  // the node whose weight ends first
+        Eigen::Index out = -1;  // the node whose weight is first to reach 0
         for (Eigen::Index k = 0; k < corners; ++k)
             if (change[k] < 0 && w[k] < -change[k] * part) {
                 part = std::max(0.0, w[k] / -change[k]);
@@ -178,7 +178,7 @@ FreeSurface::Walk FreeSurface::walk(int facet, const Eigen::Vector3d& weight, co
         if (out < 0) break;
         w[out] = 0;
         w /= w.sum();
-        // over the end or edge that does not have that node
+        // cross the end or edge without that node
         const Eigen::Index side = (out + 1) % corners, next = beside_[static_cast<std::size_t>(corners * f + side)];
         if (next < 0) {
             walk.at_border = true;
@@ -226,7 +226,7 @@ double FreeSurface::clearance_m(const Point& position_m) const {
 }
 
 double FreeSurface::thickness_m(const Point& position_m, const Point& inward) const {
-    constexpr double rounding = 1e-9;  // of weights, so that a ray cannot pass between two facets
+    constexpr double rounding = 1e-9;  // tolerance of weights, so that no ray passes between two facets
     double least = std::numeric_limits<double>::infinity();
     const Eigen::Vector3d from = position_m, along = inward;
     for (const Cells* facets : {&facets_, &held_facets_})
@@ -235,7 +235,7 @@ double FreeSurface::thickness_m(const Point& position_m, const Point& inward) co
             Eigen::Matrix3d sides;  // from + t along = a + v (b - a) + w (c - a)
             sides << b - a, c - a, -along;
             const double determinant = sides.determinant();
-            if (determinant > -1e-12 * (b - a).norm() * (c - a).norm()) continue;  // the ray enters through it, or runs along it
+            if (determinant > -1e-12 * (b - a).norm() * (c - a).norm()) continue;  // the ray enters here or is parallel
             const Eigen::Vector3d at = sides.inverse() * (from - a);
             if (at[0] >= -rounding && at[1] >= -rounding && at[0] + at[1] <= 1 + rounding && at[2] > 0) least = std::min(least, at[2]);
         }
@@ -247,7 +247,7 @@ std::vector<Point> FreeSurface::points(int parts) const {
     for (Eigen::Index f = 0; f < facets_.rows(); ++f)
         for (int i = 0; i < parts; ++i)
             for (int j = 0; i + j < parts; ++j)
-                for (const double third : {1.0 / 3, 2.0 / 3}) {  // of a part that points as its facet does, and of one that does not
+                for (const double third : {1.0 / 3, 2.0 / 3}) {  // centroid of the upright or inverted triangle
                     const double a = (i + third) / parts, b = (j + third) / parts;
                     if (a + b < 1) middles.push_back(at(f, {1 - a - b, a, b}));
                 }

@@ -6,63 +6,72 @@
 
 namespace tissue {
 
-/// The free surface of a spring mesh at rest, whatever its dimension: the boundary's facets that are not held. In the plane
-/// mesh/outline.h goes along it.
+/// The free surface of a spring mesh at rest, in the plane or in space: the boundary's facets with at least one node
+/// that is not fixed. For the plane mesh/outline.h has it as one line with arc length.
 class FreeSurface {
    public:
     explicit FreeSurface(const SpringMesh& mesh);
 
-    const Cells& facets() const { return facets_; }            ///< a node of them at least is free
-    const Cells& held_facets() const { return held_facets_; }  ///< all their nodes are held
-    const std::vector<int>& nodes() const { return nodes_; }   ///< of the free facets, ascending
-    double spacing_m() const { return spacing_m_; }            ///< mean, of those nodes: a lattice's is its cells'
+    const Cells& facets() const { return facets_; }            ///< at least one node of each is free
+    const Cells& held_facets() const { return held_facets_; }  ///< all their nodes are fixed
+    const std::vector<int>& nodes() const { return nodes_; }   ///< nodes of the free facets, ascending
+    /// Mean spacing of these nodes: mean length of a segment; in space sqrt(2 mean area of a facet). On a lattice it is
+    /// the edge of a cell.
+    double spacing_m() const { return spacing_m_; }
 
-    /// The point of the surface nearest to a position.
+    /// A point of the free surface.
     struct Place {
-        Eigen::Index facet;
-        Point point_m, inward;   ///< inward: unit normal into the tissue, smooth but at creases
-        double distance_m;       ///< from the position
+        Eigen::Index facet;      ///< number of the free facet
+        Point point_m, inward;   ///< inward: unit normal into the tissue, continuous except at creases
+        double distance_m;       ///< from the position that nearest() got
     };
+    /// The point of the free surface nearest to a position [m] (D).
     Place nearest(const Point& position_m) const;
 
-    /// The place at weights of a free facet's nodes (a segment's third is 0), its distance 0. Allocates nothing.
+    /// The point at given weights of a free facet's nodes; the third weight of a segment is 0. distance_m is 0.
+    /// Allocates nothing.
     Place place(Eigen::Index facet, const Eigen::Vector3d& weight) const noexcept;
 
-    /// Free facet of each facet of the mesh (SpringMesh::facets), -1 where it is held.
+    /// Number of the free facet of each facet of the mesh (SpringMesh::facets); -1 if it is fixed.
     const std::vector<Eigen::Index>& free_of() const { return free_of_; }
-    Eigen::Index facet_of(Eigen::Index free) const noexcept { return facet_of_[static_cast<std::size_t>(free)]; }  ///< facet of the mesh of a free one
+    /// Facet of the mesh (SpringMesh::facets) of a free facet.
+    Eigen::Index facet_of(Eigen::Index free) const noexcept { return facet_of_[static_cast<std::size_t>(free)]; }
 
-    /// Where a way along the surface ends.
+    /// End of a path along the surface.
     struct Walk {
         int facet;               ///< of the mesh (SpringMesh::facets)
-        Eigen::Vector3d weight;  ///< of its nodes (a segment's third is 0)
-        Point along_m;           ///< the way as it points there, in the facet's plane; as long as at its beginning
-        double walked_m;         ///< shorter than the way where it ended at the border
+        Eigen::Vector3d weight;  ///< of the facet's nodes; the third weight of a segment is 0
+        Point along_m;           ///< direction of the path at its end, in the facet's plane; as long as the whole path
+        double walked_m;         ///< length of the path; less than the whole if it stopped early
         bool at_border;
     };
-    /// Goes along the surface at rest, from a place on a facet of the mesh, by a vector: the part of it in that facet's plane. Over an
-    /// edge the way goes straight on as if the next facet were unfolded into the plane of the one before. It stops at the border of
-    /// the free surface; on a held facet it does not move. Allocates nothing.
+    /// Follows the surface at rest from a point of a facet of the mesh, by the part of the vector along_m [m] (D) in
+    /// that facet's plane. Across an edge the path is straight as if the next facet were unfolded into the plane of the
+    /// one before. It stops at the border of the free surface, and after 1000 facets. It does not leave a fixed facet.
+    /// Allocates nothing.
     Walk walk(int facet, const Eigen::Vector3d& weight, const Point& along_m) const noexcept;
 
-    /// From a point to the nearest node where the surface ends or turns by more than 45 degrees [m].
+    /// Distance [m] to the nearest node where the free surface ends or turns by more than 45 degrees; infinite if there
+    /// is none.
     double to_crease_m(const Point& position_m) const noexcept;
 
-    /// In space, from a point to the nearest edge where the free surface ends, or turns by more than 45 degrees [m]; infinite where
-    /// it does neither.
+    /// In space: distance [m] to the nearest edge where the free surface ends or turns by more than 45 degrees;
+    /// infinite if there is none.
     double clearance_m(const Point& position_m) const;
 
-    /// In space, how far the tissue reaches from a point of its surface along a direction into it [m]: to where that leaves the tissue, through a free or a held
-    /// facet; infinite where it meets none.
+    /// In space: thickness of the tissue [m] from a point of its surface along a unit vector into it. It ends where the
+    /// ray leaves the tissue through a free or a fixed facet; infinite if the ray leaves through none.
     double thickness_m(const Point& position_m, const Point& inward) const;
 
-    /// In space: the middles of parts of the free facets, parts^2 of each, all alike.
+    /// In space: centroids of parts^2 equal triangles of each free facet [m].
     std::vector<Point> points(int parts) const;
 
-    const Eigen::VectorXd& measure() const { return measure_; }  ///< length or area of each free facet
-    Point at(Eigen::Index facet, const Eigen::Vector3d& weight) const;  ///< by weights of a facet's nodes (a segment's third is 0)
+    const Eigen::VectorXd& measure() const { return measure_; }  ///< length [m] or area [m^2] of each free facet
+    /// Position [m] at given weights of a free facet's nodes; the third weight of a segment is 0.
+    Point at(Eigen::Index facet, const Eigen::Vector3d& weight) const;
 
-    /// Whether the surface at a node faces the way a normal does, to 60 degrees: it lies round no crease from there.
+    /// Whether the surface normal at a node is within 60 degrees of a given inward normal. If not, a crease lies
+    /// between them.
     bool faces(int node, const Point& inward) const noexcept;
 
    private:
@@ -72,18 +81,18 @@ class FreeSurface {
     NodeField rest_;
     Cells facets_, held_facets_;
     std::vector<int> nodes_, creases_;
-    Cells ends_;                                     ///< in space: edges where it ends or turns, as segments
+    Cells ends_;                                     ///< in space: edges where the surface ends or turns, as segments
     std::vector<std::vector<Eigen::Index>> around_;  ///< free facets of each node (N)
-    std::vector<Point> inward_;                      ///< of each free facet
-    std::vector<Point> corner_inward_;               ///< at each node of each free facet, without what lies round a crease
-    std::vector<Point> facing_;                      ///< inward at each node, whatever lies around it (N)
-    std::vector<Eigen::Index> free_of_, facet_of_;   ///< free facet of each of the mesh, and the other way round
-    std::vector<Eigen::Index> beside_;               ///< over each end or edge of each free facet, from its node k on: the free facet, or -1
+    std::vector<Point> inward_;                      ///< normal of each free facet
+    std::vector<Point> corner_inward_;               ///< normal at each facet's nodes, without facets across a crease
+    std::vector<Point> facing_;                      ///< mean normal at each node, with facets across creases (N)
+    std::vector<Eigen::Index> free_of_, facet_of_;   ///< free facet of each facet of the mesh, and the reverse
+    std::vector<Eigen::Index> beside_;               ///< free facet across end k, or edge k to k + 1; -1: none
     Eigen::VectorXd measure_;                        ///< of each free facet
     double spacing_m_;
 };
 
-/// Nodes whose displacement counts as the tissue's shape: in the plane all, in space those of the free surface.
+/// Nodes of the indentation error of displacement: all nodes in the plane, those of the free surface in space.
 std::vector<int> seen_nodes(const SpringMesh& mesh);
 
 }  // namespace tissue

@@ -61,7 +61,7 @@ double Inclusion::volume_m3() const { return ball * std::pow(radius_m_, 3); }
 
 Surface inclusion_surface(const MshFile& file, double unit_m) {
     if (const SurfaceReport report = report_on(file); !report.faults.empty())
-        throw FileError(fmt::format("{}: {}; tissuectl surface says more, and repairs it", file.file, fault_text(report.faults.front(), " mm", 1e3 * unit_m)));
+        throw FileError(fmt::format("{}: {}; tissuectl surface reports all faults and repairs them", file.file, fault_text(report.faults.front(), " mm", 1e3 * unit_m)));
     return closed_surface(file, unit_m);
 }
 
@@ -77,7 +77,7 @@ Surface inclusion_facets(const Surface& surface, double most_m) {
     made.nodes = ((made.nodes.rowwise() - has.centre_m.transpose()) * std::cbrt(wanted.volume_m3 / has.volume_m3)).rowwise() + wanted.centre_m.transpose();
     for (Eigen::Index t = 0; t < made.triangles.rows(); ++t)
         if (const double quality = triangle_quality(made.corner(t, 0), made.corner(t, 1), made.corner(t, 2)); quality < least_quality)
-            throw MismatchError(fmt::format("it has no good triangles with sides of {:.3g} mm: quality {:.3g}, wanted {}", 1e3 * size_m, quality, least_quality));
+            throw MismatchError(fmt::format("it has poor triangles with edges of {:.3g} mm: quality {:.3g}, needed {}", 1e3 * size_m, quality, least_quality));
     return made;
 }
 

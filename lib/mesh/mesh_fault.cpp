@@ -21,7 +21,7 @@ double cross(const NodeField& nodes, int a, int b, int c) {
     return u.x() * v.y() - u.y() * v.x();
 }
 
-/// The three nodes of a face, turned so that the smallest stands first: its orientation stays.
+/// The three nodes of a face, rotated so that the smallest is first. The orientation is unchanged.
 std::array<int, 3> turned(std::array<int, 3> face) {
     std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
     return face;
@@ -32,11 +32,11 @@ std::optional<MeshFault> solid_fault(const SpringMesh& mesh) {
     for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
         const auto at = [&](int k) { return Eigen::Vector3d(mesh.nodes.row(mesh.simplices(t, k))); };
         if (!((at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0)) > 0))
-            return MeshFault{"tetrahedra", fmt::format("tetrahedron {} is inside out or has no volume", t)};
+            return MeshFault{"tetrahedra", fmt::format("tetrahedron {} is inverted or has no volume", t)};
         for (const auto& [i, j, k] : {std::array<int, 3>{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}) {
             const int a = mesh.simplices(t, i), b = mesh.simplices(t, j), c = mesh.simplices(t, k);
             if (outer.erase(turned({a, c, b})) == 0 && !outer.insert(turned({a, b, c})).second)
-                return MeshFault{"tetrahedra", fmt::format("tetrahedron {} lies over another", t)};
+                return MeshFault{"tetrahedra", fmt::format("tetrahedron {} overlaps another", t)};
         }
     }
     bool held = false, free = false;
@@ -49,7 +49,7 @@ std::optional<MeshFault> solid_fault(const SpringMesh& mesh) {
         free |= fixed == 0;
     }
     if (facets != outer) return MeshFault{"facets", "are not the surface of the tetrahedra"};
-    if (!held || !free) return MeshFault{"fixed", held ? "leaves no facet free" : "holds no facet"};
+    if (!held || !free) return MeshFault{"fixed", held ? "leaves no facet free" : "fixes no facet"};
     return std::nullopt;
 }
 
@@ -59,10 +59,10 @@ std::optional<MeshFault> triangle_fault(const NodeField& nodes, const Cells& tri
     std::set<Edge> edges;
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
         if (!(cross(nodes, triangles(t, 0), triangles(t, 1), triangles(t, 2)) > 0))
-            return MeshFault{"triangles", fmt::format("triangle {} runs clockwise or has no area", t)};
+            return MeshFault{"triangles", fmt::format("triangle {} is clockwise or has no area", t)};
         for (int i = 0; i < 3; ++i)
             if (!edges.emplace(triangles(t, i), triangles(t, (i + 1) % 3)).second)
-                return MeshFault{"triangles", fmt::format("triangle {} lies over another", t)};
+                return MeshFault{"triangles", fmt::format("triangle {} overlaps another", t)};
     }
     return std::nullopt;
 }
@@ -79,7 +79,7 @@ std::optional<MeshFault> mesh_fault(const SpringMesh& mesh) {
         twice_area += cross(mesh.nodes, loop[0], i, j);
         segments.emplace(i, j);
     }
-    if (!(twice_area > 0)) return MeshFault{"boundary", "runs clockwise"};
+    if (!(twice_area > 0)) return MeshFault{"boundary", "is clockwise"};
     std::set<Edge> outer;
     for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t)
         for (int i = 0; i < 3; ++i) {

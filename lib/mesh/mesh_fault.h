@@ -7,20 +7,21 @@
 
 namespace tissue {
 
-/// Why a mesh is none that a study makes.
+/// Why a mesh is invalid.
 struct MeshFault {
     std::string part;  ///< "triangles", "boundary" or "fixed"; in space "tetrahedra", "facets" or "fixed"
     std::string why;
 };
 
-/// Orientation and connection of a mesh whose indices are nodes already; nothing when all is well.
-/// Triangles run counter-clockwise and have area; their outer edges are the boundary's segments, each once and
-/// counter-clockwise; the fixed nodes leave one connected free surface.
-/// In space tetrahedra have positive volume; the faces that one of them has alone are the facets, each once and with its
-/// normal out; fixed nodes hold some facet whole and leave others free.
+/// Checks orientation and connection of a mesh whose node numbers are already known to be in range. Result: the first
+/// fault; nothing if the mesh is valid.
+/// In the plane: triangles run counter-clockwise and have area. Their outer edges are the boundary's segments, each
+/// once and counter-clockwise. The fixed nodes leave one connected free surface.
+/// In space: tetrahedra have positive volume. The faces of one tetrahedron only are the facets, each once and with its
+/// normal out. At least one facet has only fixed nodes, and at least one has none.
 std::optional<MeshFault> mesh_fault(const SpringMesh& mesh);
 
-/// The same of triangles alone.
+/// The checks of triangles in the plane only. nodes [m] (N x 2), triangles (T x 3).
 std::optional<MeshFault> triangle_fault(const NodeField& nodes, const Cells& triangles);
 
 }  // namespace tissue

@@ -13,17 +13,17 @@
 namespace tissue {
 namespace {
 
-/// gmsh's numbers of kinds of elements that are not lines or straight triangles.
+/// gmsh's type numbers of elements other than lines and straight triangles.
 const std::map<int, std::string> other_kinds = {
     {3, "a quadrilateral"},    {4, "a tetrahedron"},          {5, "a hexahedron"},           {6, "a prism"},
     {7, "a pyramid"},          {8, "a second-order line"},    {9, "a second-order triangle"}, {10, "a quadrilateral"},
     {11, "a tetrahedron"},     {12, "a hexahedron"},          {13, "a prism"},               {14, "a pyramid"},
     {16, "a quadrilateral"},   {17, "a hexahedron"},          {18, "a prism"},               {19, "a pyramid"}};
 
-/// In the file's unit of length, whatever that is: what is larger has areas and volumes that are no numbers.
+/// In the file's unit of length. With larger coordinates areas and volumes may overflow.
 constexpr double largest_coordinate = 1e12;
 
-/// Names, nodes or elements: what is more than this no solver here takes, and memory is not asked for it.
+/// Most names, nodes or elements. No solver here can use more, and a damaged count must not allocate memory.
 constexpr long largest_count = 1'000'000;
 
 class Lines {
@@ -32,7 +32,7 @@ class Lines {
 
     std::string next(const char* wanted) {
         std::string line;
-        if (!std::getline(in_, line)) throw FileError(fmt::format("{}: breaks off where {} should stand", file_, wanted));
+        if (!std::getline(in_, line)) throw FileError(fmt::format("{}: is truncated: {} is missing", file_, wanted));
         ++number_;
         while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
         return line;
@@ -44,7 +44,7 @@ class Lines {
         std::istringstream words(next(wanted));
         long n = 0;
         if (!(words >> n) || n < 0) refuse(fmt::format("is not {}", wanted));
-        if (n > largest_count) refuse(fmt::format("says {} is {}; at most {} are read", wanted, n, largest_count));
+        if (n > largest_count) refuse(fmt::format("{} is {}; at most {} are read", wanted, n, largest_count));
         return n;
     }
 
@@ -58,7 +58,7 @@ class Lines {
 
    private:
     std::string file_;
-    bool own_;  ///< whether its lines are the named file's
+    bool own_;  ///< whether line numbers are of the file that messages name
     std::istringstream in_;
     long number_ = 0;
 };
@@ -69,7 +69,7 @@ void name_by_number(const std::string& file, const Elements& elements, std::map<
         if (e.physical == 0 || names.count(e.physical) > 0) continue;
         const std::string number = std::to_string(e.physical);
         if (std::any_of(names.begin(), names.end(), [&](const auto& named) { return named.second == number; }))
-            throw FileError(fmt::format("{0}: its group {1} has no name, and another group is called '{1}': give every group a name", file, number));
+            throw FileError(fmt::format("{0}: its group {1} has no name, and another group has the name '{1}': give every group a name", file, number));
         names.emplace(e.physical, number);
     }
 }
@@ -80,11 +80,11 @@ MshFile read_msh(const std::string& file, bool in_space, const std::string& name
     Lines in(file, named);
     MshFile mesh;
     mesh.file = named.empty() ? file : named;
-    std::unordered_map<long, int> place;  // the file's node number -> place in points
+    std::unordered_map<long, int> place;  // the file's node number -> index into points
     bool elements = false;
     if (in.next("$MeshFormat") != "$MeshFormat") in.refuse("is not a gmsh mesh: it does not begin with $MeshFormat");
     const std::string format = in.next("the format");
-    if (format.rfind("2.", 0) != 0) in.refuse("is MSH '" + format + "', not 2.2; gmsh -save -format msh22 converts it");
+    if (format.rfind("2.", 0) != 0) in.refuse("has MSH format '" + format + "', not 2.2; gmsh -save -format msh22 converts it");
     if (format.size() < 5 || format.substr(3, 2) == " 1" || format.find(" 0 ") == std::string::npos)
         in.refuse("is a binary mesh; gmsh -save -format msh22 makes it text");
     in.want("$EndMeshFormat");
@@ -117,11 +117,11 @@ MshFile read_msh(const std::string& file, bool in_space, const std::string& name
                     p.x = std::nan("");
                 }
                 if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-                    in.refuse(fmt::format("node {} has a coordinate that is no finite number", number));
+                    in.refuse(fmt::format("node {} has a coordinate that is not a finite number", number));
                 if (const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); largest > largest_coordinate)
                     in.refuse(fmt::format("node {} has a coordinate of {:g}; at most {:g} is allowed", number, largest, largest_coordinate));
                 if (!place.emplace(number, static_cast<int>(mesh.points.size())).second)
-                    in.refuse(fmt::format("node {} stands twice", number));
+                    in.refuse(fmt::format("node {} is present twice", number));
                 mesh.points.push_back(p);
             }
             in.want("$EndNodes");
@@ -134,8 +134,8 @@ MshFile read_msh(const std::string& file, bool in_space, const std::string& name
                 if (kind == 15) continue;  // a point
                 if (kind != 1 && kind != 2 && !(kind == 4 && in_space)) {
                     const auto known = other_kinds.find(kind);
-                    in.refuse(fmt::format("element {} is {}; a tissue is of straight {}", number,
-                                          known == other_kinds.end() ? fmt::format("of gmsh's kind {}", kind)
+                    in.refuse(fmt::format("element {} is {}; a tissue needs straight {}", number,
+                                          known == other_kinds.end() ? fmt::format("of gmsh type {}", kind)
                                                                      : known->second,
                                           in_space ? "tetrahedra" : "triangles, in the plane"));
                 }
@@ -144,7 +144,7 @@ MshFile read_msh(const std::string& file, bool in_space, const std::string& name
                     long tag = 0;
                     if (!(words >> tag)) in.refuse("is not an element");
                     if (t == 0) e.physical = static_cast<int>(tag);
-                    if (t == 0 && e.physical != tag) in.refuse(fmt::format("element {} is in a physical group {}, beyond any", number, tag));
+                    if (t == 0 && e.physical != tag) in.refuse(fmt::format("element {} has a physical group {} out of range", number, tag));
                 }
                 for (int i = 0; i < (kind == 4 ? 4 : kind + 1); ++i) {
                     long node = 0;
@@ -158,13 +158,13 @@ MshFile read_msh(const std::string& file, bool in_space, const std::string& name
             }
             in.want("$EndElements");
             elements = true;
-        } else {  // anything else gmsh may add
+        } else {  // other sections of gmsh are skipped
             if (section.front() != '$') in.refuse("is not the beginning of a section");
             const std::string end = "$End" + section.substr(1);
             while (in.next(end.c_str()) != end) {}
         }
     }
-    if (!elements) throw FileError(mesh.file + ": breaks off: it has no $Elements");
+    if (!elements) throw FileError(mesh.file + ": is truncated: it has no $Elements");
     name_by_number(mesh.file, mesh.lines, mesh.line_names);
     name_by_number(mesh.file, mesh.triangles, mesh.triangle_names);
     name_by_number(mesh.file, mesh.tetrahedra, mesh.tetrahedron_names);

@@ -53,7 +53,7 @@ NearestTriangle::Place NearestTriangle::nearest(const Eigen::Vector3d& position_
                         best.distance_m = here.distance_m;
                     }
                 }
-        if (best.distance_m <= shell * box_m_) break;  // what is farther out is farther away
+        if (best.distance_m <= shell * box_m_) break;  // all further boxes are farther away
     }
     if (best.triangle >= 0)
         for (int i = 0; i < 3; ++i) best.point_m += best.weight[i] * nodes_.row(triangles_(best.triangle, i)).transpose();

@@ -6,18 +6,19 @@
 
 namespace tissue {
 
-/// Nearest point of a surface, by a grid of boxes that know their triangles.
+/// Finds the nearest point of a surface, with a grid of boxes that list their triangles.
 class NearestTriangle {
    public:
     explicit NearestTriangle(const Surface& surface);
 
     struct Place {
-        Eigen::Index triangle;   ///< -1: none faces that way
-        Eigen::Vector3d weight;  ///< of its nodes
+        Eigen::Index triangle;   ///< -1: no triangle has such a normal
+        Eigen::Vector3d weight;  ///< of the triangle's nodes
         Eigen::Vector3d point_m;
         double distance_m;
     };
-    /// Among triangles whose normal has a positive part along `outward`, to 78 degrees; a zero vector asks all.
+    /// The nearest point [m]. outward: a unit vector; only triangles with a normal within 78 degrees of it count. A
+    /// zero vector, the default, takes all triangles.
     Place nearest(const Eigen::Vector3d& position_m, const Eigen::Vector3d& outward = Eigen::Vector3d::Zero()) const;
 
     const Eigen::Vector3d& normal(Eigen::Index triangle) const { return normal_[static_cast<std::size_t>(triangle)]; }
@@ -34,7 +35,7 @@ class NearestTriangle {
     Eigen::Vector3d low_m_;
     double box_m_;
     Eigen::Vector3i count_;
-    std::vector<std::vector<int>> inside_;  ///< triangles that reach into each box
+    std::vector<std::vector<int>> inside_;  ///< triangles whose bounding box overlaps each box
 };
 
 }  // namespace tissue

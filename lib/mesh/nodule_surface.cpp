@@ -31,7 +31,7 @@ NoduleSurface nodule_surface(const Inclusion& nodule) {
 }
 
 std::optional<std::string> nodule_fault(const NoduleSurface& surface) {
-    std::map<std::pair<int, int>, int> edges;  // how often each is run through
+    std::map<std::pair<int, int>, int> edges;  // number of triangles of each directed edge
     std::vector<bool> used(static_cast<std::size_t>(surface.points.rows()), false);
     for (const auto& t : surface.triangles.rowwise())
         for (int k = 0; k < 3; ++k) {
@@ -40,10 +40,10 @@ std::optional<std::string> nodule_fault(const NoduleSurface& surface) {
         }
     for (const auto& [edge, times] : edges)
         if (const auto back = edges.find({edge.second, edge.first}); times != 1 || back == edges.end())
-            return fmt::format("do not close: between points {} and {}", edge.first, edge.second);
+            return fmt::format("are not closed between points {} and {}", edge.first, edge.second);
     for (std::size_t p = 0; p < used.size(); ++p)
-        if (!used[p]) return fmt::format("leave out point {}", p);
-    if (!(enclosed_by({surface.points, surface.triangles, {}}).volume_m3 > 0)) return "point inwards, or enclose no volume";
+        if (!used[p]) return fmt::format("do not use point {}", p);
+    if (!(enclosed_by({surface.points, surface.triangles, {}}).volume_m3 > 0)) return "have inward normals, or enclose no volume";
     return std::nullopt;
 }
 

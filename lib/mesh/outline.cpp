@@ -8,7 +8,7 @@
 namespace tissue {
 namespace {
 
-constexpr double corner_cosine = 0.7071067811865476;  // of 45 degrees
+constexpr double corner_cosine = 0.7071067811865476;  // cos 45 degrees
 
 Eigen::Vector2d left_of(const Eigen::Vector2d& along) {
     return Eigen::Vector2d(-along.y(), along.x()).normalized();
@@ -22,7 +22,7 @@ Outline::Outline(const SpringMesh& mesh) {
     const auto is_fixed = [&](std::size_t b) {
         return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), loop[b % count]);
     };
-    // the last fixed node before a free one starts the surface, the next fixed one ends it
+    // the surface starts at the last fixed node before a free one, and ends at the next fixed node
     std::size_t starts = 0, first = 0;
     for (std::size_t b = 0; b < count; ++b)
         if (is_fixed(b) && !is_fixed(b + 1)) {
@@ -72,7 +72,7 @@ Eigen::Vector2d Outline::inward_normal(double arc_m) const {
     const std::size_t b = segment(s);
     const bool follows = b > 0, goes_on = b + 2 < points_.size();
     Eigen::Vector2d normal = segment_normal(b);
-    // a curved surface: from the one node's normal, the mean of both sides', to the other's
+    // curved surface: interpolate between the nodes' normals, each the mean of its two segments' normals
     const double w = (s - arc_[b]) / (arc_[b + 1] - arc_[b]);
     const bool curved_before = follows && !is_corner(b), curved_after = goes_on && !is_corner(b + 1);
     if (curved_before || curved_after) {

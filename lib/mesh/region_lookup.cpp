@@ -11,7 +11,7 @@
 namespace tissue {
 
 RegionLookup::RegionLookup(const MshFile& mesh, const std::vector<std::string>& regions, double unit_m) {
-    if (mesh.tetrahedra.empty()) throw FileError(mesh.file + ": has no tetrahedra, and so no regions");
+    if (mesh.tetrahedra.empty()) throw FileError(mesh.file + ": has no tetrahedra and therefore no regions");
     const std::vector<int> tags = group_tags(regions, mesh.tetrahedron_names, "volume", mesh.file);
     for (const MshFile::Tetrahedron& e : mesh.tetrahedra) {
         Eigen::Matrix<double, 4, 3> corners_m;
@@ -40,8 +40,8 @@ void RegionLookup::add(const Eigen::Matrix<double, 4, 3>& corners_m, int region)
     t.low_m = corners_m.colwise().minCoeff().transpose();
     t.high_m = corners_m.colwise().maxCoeff().transpose();
     const Eigen::Matrix3d sides = (corners_m.bottomRows<3>().rowwise() - corners_m.row(0)).transpose();
-    if (!(std::abs(sides.determinant()) > 0)) return;  // flat: nothing lies in it
-    const Eigen::Matrix3d weights = sides.inverse();  // rows: slopes of the corners' weights
+    if (!(std::abs(sides.determinant()) > 0)) return;  // flat: contains no position
+    const Eigen::Matrix3d weights = sides.inverse();  // rows: gradients of the corners' weights
     t.inward << -weights.colwise().sum(), weights;
     t.far_m = 1 / t.inward.row(0).norm();
     t.inward.rowwise().normalize();
@@ -51,7 +51,7 @@ void RegionLookup::add(const Eigen::Matrix<double, 4, 3>& corners_m, int region)
 }
 
 void RegionLookup::sort() {
-    // one that stands twice, in a region and in the whole, counts as the region's
+    // a tetrahedron listed twice, in a region and in the base material, counts as the region's
     std::stable_sort(tetrahedra_.begin(), tetrahedra_.end(), [](const Tetrahedron& a, const Tetrahedron& b) {
         return a.low_m.x() != b.low_m.x() ? a.low_m.x() < b.low_m.x() : a.region > b.region;
     });

@@ -9,40 +9,41 @@
 
 namespace tissue {
 
-/// Which of some physical volumes of a mesh of tetrahedra a place lies in: finite elements, which have a mesh a path, ask the
-/// shape's own.
+/// Finds the material region of a position, as a physical volume of a mesh of tetrahedra. Finite elements have a mesh
+/// of their own for each load path and take their regions from the shape's mesh.
 class RegionLookup {
    public:
-    /// regions: names of physical volumes; unit_m [m] is the mesh's unit of length.
-    /// Throws FileError where the mesh has no tetrahedra, or no volume of a name.
+    /// regions: names of physical volumes; unit_m: the mesh's unit of length [m].
+    /// Throws FileError if the mesh has no tetrahedra or lacks a named volume.
     RegionLookup(const MshFile& mesh, const std::vector<std::string>& regions, double unit_m);
-    /// The same of a shape in space.
+    /// The regions of a shape in space.
     explicit RegionLookup(const Shape& shape);
 
-    /// 0 in none of them, else 1 + its number. A place a little outside, where a curved surface is divided otherwise, has the
-    /// region of the tetrahedron from whose faces' planes it is least far.
+    /// Region at a position [m]: 1 + its index in `regions`, or 0 in the base material. A position outside the mesh has
+    /// the region of the tetrahedron from whose face planes it is least far. Some positions are slightly outside,
+    /// because FE meshes discretise a curved surface differently.
     int at(const Eigen::Vector3d& position_m) const;
-    /// The region of the tetrahedron that has the place inside; nothing where none has.
+    /// Region of the tetrahedron that contains the position; nothing if none does.
     std::optional<int> inside(const Eigen::Vector3d& position_m) const;
 
    private:
     struct Tetrahedron {
         Eigen::Vector3d low_m, high_m, origin_m;
-        Eigen::Matrix<double, 4, 3> inward;  ///< unit normals of its faces, into it, the first of the one without the origin,
-        double far_m;                        ///< which lies so far from there
+        Eigen::Matrix<double, 4, 3> inward;  ///< unit normals of the faces; the first face is opposite to origin_m
+        double far_m;                        ///< distance of that face from origin_m
         int region;
     };
     void add(const Eigen::Matrix<double, 4, 3>& corners_m, int region);
     void sort();
 
-    static double out_of_m(const Tetrahedron& t, const Eigen::Vector3d& position_m);  ///< 0 inside
+    static double out_of_m(const Tetrahedron& t, const Eigen::Vector3d& position_m);  ///< [m]; 0 inside
 
-    std::vector<Tetrahedron> tetrahedra_;  ///< by low_m.x()
-    double longest_m_ = 0;                 ///< of them along x
+    std::vector<Tetrahedron> tetrahedra_;  ///< sorted by low_m.x()
+    double longest_m_ = 0;                 ///< largest extent along x
 };
 
-/// A mesh of tetrahedra in metres, as MSH 2.2: triangles as they are labelled, tetrahedra 10, or 10 + the region in which their
-/// middles lie.
+/// A mesh of tetrahedra in metres, as text in MSH 2.2. Triangles keep their labels. Tetrahedra have the label 10 + the
+/// region of their centroid.
 std::string to_msh(const MshFile& mesh, const RegionLookup& regions);
 
 }  // namespace tissue

@@ -19,7 +19,7 @@ namespace {
 
 using Edge = std::array<int, 2>;
 
-constexpr int fixed_label = 1, free_label = 2, tissue_label = 10;  // as fem/shape.idp knows them
+constexpr int fixed_label = 1, free_label = 2, tissue_label = 10;  // the labels of fem/shape.idp
 
 double cross(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b) {
     return a.x() * b.y() - a.y() * b.x();
@@ -33,14 +33,14 @@ std::string at(const Eigen::RowVector2d& p) {
     return fmt::format("({:.6g}, {:.6g}) m", p.x(), p.y());
 }
 
-/// Edges of one triangle alone, from node to node, counter-clockwise: the boundary.
+/// The boundary: edges of one triangle only, counter-clockwise. Result: next node of each boundary node.
 std::map<int, int> boundary_of(const Shape& shape, const std::string& file) {
     std::map<Edge, int> sides;  // directed edge -> triangle to its left
     for (int t = 0; t < shape.simplices.rows(); ++t)
         for (int i = 0; i < 3; ++i) {
             const Edge edge{shape.simplices(t, i), shape.simplices(t, (i + 1) % 3)};
             if (!sides.emplace(edge, t).second)
-                throw FileError(fmt::format("{}: two triangles lie over each other at the edge from {} to {}", file,
+                throw FileError(fmt::format("{}: two triangles overlap at the edge from {} to {}", file,
                                             at(shape.nodes.row(edge[0])), at(shape.nodes.row(edge[1]))));
         }
     std::map<int, int> next;
@@ -50,7 +50,7 @@ std::map<int, int> boundary_of(const Shape& shape, const std::string& file) {
     return next;
 }
 
-/// The boundary as one loop, from its lowest node number on.
+/// The boundary as one loop that starts at its lowest node number.
 std::vector<int> loop_of(const Shape& shape, const std::string& file) {
     const std::map<int, int> next = boundary_of(shape, file);
     std::vector<int> loop;
@@ -58,7 +58,7 @@ std::vector<int> loop_of(const Shape& shape, const std::string& file) {
     if (loop.size() != next.size()) {
         const std::set<int> on(loop.begin(), loop.end());
         const auto other = std::find_if(next.begin(), next.end(), [&](const auto& e) { return !on.count(e.first); });
-        throw FileError(fmt::format("{}: the outline is not one closed loop: the tissue has a hole, or another piece, at {}",
+        throw FileError(fmt::format("{}: the outline is not one closed loop: the tissue has a hole or a second part at {}",
                                     file, at(shape.nodes.row(other->first))));
     }
     return loop;
@@ -96,7 +96,7 @@ std::vector<int> group_tags(const std::vector<std::string>& wanted, const std::m
 std::vector<int> order_along(const NodeField& places) {
     const NodeField about = places.rowwise() - places.colwise().mean();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(about.transpose() * about);
-    NodeField along = about * axes.eigenvectors().rowwise().reverse();  // the longest first
+    NodeField along = about * axes.eigenvectors().rowwise().reverse();  // the longest axis first
     for (Eigen::Index d = 0; d < along.cols(); ++d) {
         const Eigen::VectorXd axis = axes.eigenvectors().col(along.cols() - 1 - d);
         double sign = 0;
@@ -118,7 +118,7 @@ Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, con
     const std::vector<int> fixed_tags = group_tags(fixed, mesh.line_names, "curve", file),
                            region_tags = group_tags(regions, mesh.triangle_names, "surface", file);
 
-    // an element stands once for every group it is in: the named region counts
+    // an element is listed once for every group that it is in; a named region has priority
     std::map<std::array<int, 3>, std::size_t> seen;
     std::vector<MshFile::Element> triangles;
     std::vector<int> region;
@@ -133,12 +133,12 @@ Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, con
             region.push_back(r);
         } else if (r > 0) {
             if (region[there->second] > 0 && region[there->second] != r)
-                throw FileError(fmt::format("{}: element {} lies in two of the study's regions", file, e.number));
+                throw FileError(fmt::format("{}: element {} is in two of the study's regions", file, e.number));
             region[there->second] = r;
         }
     }
 
-    // nodes in use, numbered along the longest axis
+    // used nodes, numbered along the longest axis
     std::set<int> used;
     for (const MshFile::Element& e : triangles) used.insert(e.node, e.node + 3);
     std::vector<int> order(used.begin(), used.end());
@@ -200,7 +200,7 @@ Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, con
     for (std::size_t i = 0; i < loop.size(); ++i)
         enclosed += cross(shape.nodes.row(loop[i]), shape.nodes.row(loop[(i + 1) % loop.size()])) / 2;
     if (!(std::abs(enclosed - area) <= 1e-9 * area))
-        throw FileError(fmt::format("{}: the mesh is tangled: its triangles cover {:.6g} m2, its outline encloses {:.6g} m2",
+        throw FileError(fmt::format("{}: the mesh overlaps itself: its triangles cover {:.6g} m2, its outline encloses {:.6g} m2",
                                     file, area, enclosed));
 
     std::set<Edge> held;
@@ -219,7 +219,7 @@ Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, con
         throw FileError(fmt::format("{}: the fixed curve at {} is not on the outline", file,
                                     at(shape.nodes.row((*held.begin())[0]))));
     if (shape.fixed_edges.empty())
-        throw FileError(fmt::format("{}: nothing of the outline is in the fixed curves {}", file, fmt::join(fixed, ", ")));
+        throw FileError(fmt::format("{}: no part of the outline is in the fixed curves {}", file, fmt::join(fixed, ", ")));
     try {
         Outline outline(edge_mesh(shape));
     } catch (const MismatchError& e) {
@@ -267,12 +267,12 @@ Shape read_shape(const std::string& file) {
         shape.simplices.row(static_cast<Eigen::Index>(t)) << e.node[0], e.node[1], e.node[2];
         shape.region.push_back(std::max(e.physical, tissue_label) - tissue_label);
         if (e.physical < tissue_label || twice_area(shape.nodes, e.node[0], e.node[1], e.node[2]) <= 0)
-            throw FileError(file + ": is not a shape's mesh that tissuectl shape wrote");
+            throw FileError(file + ": is not a mesh of tissuectl shape");
     }
     for (const MshFile::Element& e : mesh.lines)
         if (e.physical == fixed_label) shape.fixed_edges.push_back({e.node[0], e.node[1]});
     if (mesh.triangles.empty() || shape.fixed_edges.empty())
-        throw FileError(file + ": is not a shape's mesh that tissuectl shape wrote");
+        throw FileError(file + ": is not a mesh of tissuectl shape");
     return shape;
 }
 
@@ -286,7 +286,7 @@ SpringMesh edge_mesh(const Shape& shape) {
     std::set<int> fixed;
     for (const Edge& edge : shape.fixed_edges) fixed.insert(edge.begin(), edge.end());
     mesh.fixed.assign(fixed.begin(), fixed.end());
-    std::map<Edge, double> area;  // of the triangles on each edge
+    std::map<Edge, double> area;  // sum of the triangles at each edge
     mesh.node_measure = Eigen::VectorXd::Zero(mesh.node_count());
     for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
         const int a = mesh.simplices(t, 0), b = mesh.simplices(t, 1), c = mesh.simplices(t, 2);

@@ -8,54 +8,62 @@
 
 namespace tissue {
 
-/// Any closed outline in the plane, filled with triangles: their corners are the springs' nodes, their edges the
-/// springs, and finite elements are their parts. Or any closed surface in space, filled with tetrahedra: springs are of a lattice that it is embedded in
-/// (mesh/embedded_lattice.h), displacements are compared at its nodes, and finite elements have meshes of their own (mesh/solid_shape.h).
+/// A tissue of any shape.
+/// In the plane: a closed outline, filled with triangles. Their corners are the springs' nodes and their edges the
+/// springs. Finite elements are subdivisions of the triangles.
+/// In space: a closed surface, filled with tetrahedra. The springs are those of a lattice in which the shape is
+/// embedded (mesh/embedded_lattice.h). Displacements are compared at the shape's nodes. Finite elements have meshes of
+/// their own (mesh/solid_shape.h).
 struct Shape {
     NodeField nodes;                              ///< [m] (N x D)
-    Cells simplices;                              ///< triangles, counter-clockwise (T x 3); tetrahedra of positive volume (T x 4)
-    std::vector<int> region;                      ///< of each: 0 the base material, else 1 + its named region
-    std::vector<std::array<int, 2>> fixed_edges;  ///< of the boundary, counter-clockwise; the rest of it is free
-    std::vector<std::array<int, 3>> fixed_facets = {};  ///< in space, in place of edges: normals out
-    std::vector<int> bed = {};                          ///< of each of those the bed that it lies on, from 1; 0: none, it does not move. Empty: none of all
+    /// Triangles, counter-clockwise (T x 3), or tetrahedra of positive volume (T x 4).
+    Cells simplices;
+    std::vector<int> region;                      ///< of each simplex: 0 base material, else 1 + number of its region
+    std::vector<std::array<int, 2>> fixed_edges;  ///< of the boundary, counter-clockwise; its other edges are free
+    std::vector<std::array<int, 3>> fixed_facets = {};  ///< in space, instead of edges; normals out
+    /// Elastic bed of each fixed facet, from 1; 0: rigidly fixed. Empty: all are rigidly fixed.
+    std::vector<int> bed = {};
 
     bool is_solid() const { return nodes.cols() == 3; }
 };
 
-/// What was put right on the way.
+/// Corrections that make_shape made.
 struct ShapeNotes {
-    int turned = 0;   ///< triangles that ran clockwise, tetrahedra that were inside out
-    int dropped = 0;  ///< points that belong to none of them
+    int turned = 0;   ///< triangles that ran clockwise, or inverted tetrahedra
+    int dropped = 0;  ///< points without a triangle or tetrahedron
 };
 
-/// A shape from a mesh: triangles turned counter-clockwise, points of no triangle left out, nodes numbered along the
-/// shape's longest axis, so that the realtime core's bands are narrow. `fixed` and `regions` are names of physical
-/// curves and surfaces; unit_m [m] is the mesh's unit of length.
-/// Throws FileError with file, place and cause: no triangles, not in the plane, a triangle without area, triangles that
-/// lie over each other, an outline that is not one closed loop or meets itself, no group of a name (with those there
-/// are), a fixed group that is not on the outline, or that leaves no connected free surface.
+/// Makes a shape in the plane from a mesh. Triangles are turned counter-clockwise and points without a triangle are
+/// dropped. Nodes are numbered along the shape's longest axis, so that the realtime core's matrices have narrow bands.
+/// fixed, regions: names of physical curves and of physical surfaces; unit_m: the mesh's unit of length [m].
+/// notes: if not null, gets the corrections.
+/// Throws FileError with file, place and cause: no triangles; not in the plane; a triangle without area or in two
+/// regions; overlapping triangles; an outline that is not one closed loop or meets itself; no group of a name (with the
+/// names there are); a fixed group that is not on the outline or leaves no connected free surface.
 Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, const std::vector<std::string>& regions,
                  double unit_m, ShapeNotes* notes = nullptr);
 
-/// The shape as MSH 2.2 in metres: lines "fixed" 1 and "free" 2, triangles "tissue" 10 and its regions 11, 12, ...
+/// The shape as text in MSH 2.2, in metres: lines "fixed" 1 and "free" 2; triangles "tissue" 10 and its regions, which
+/// are numbered from 11. In space: solid_to_msh of mesh/solid_shape.h.
 std::string to_msh(const Shape& shape, const std::vector<std::string>& regions);
 
-/// Reads what to_msh wrote, nodes in the order of the file. Throws FileError.
+/// Reads a shape in the plane that to_msh wrote, with nodes in the order of the file. Throws FileError.
 Shape read_shape(const std::string& file);
 
-/// The shape's spring mesh, topology "edges": one spring an edge; (7)'s areas are the triangles on it, and (8)'s give
-/// each corner a third. In space mesh/solid_shape.h's.
+/// The shape's spring mesh, topology "edges": one spring an edge. The area of a spring in (7) is that of the triangles
+/// at its edge. For (8) each triangle gives a third of its area to each corner. In space: solid_edge_mesh of
+/// mesh/solid_shape.h.
 SpringMesh edge_mesh(const Shape& shape);
 
-/// The triangles or tetrahedra of another mesh, as a shape.
+/// The triangles or tetrahedra of a mesh as a shape. All of it is base material.
 Shape shape_of(const SpringMesh& mesh);
 
-/// Numbers of nodes that keep neighbours close to each other: along the longest axis of the places (N x D), then along the
-/// next. Returns which of them stands where: the first is result[0].
+/// An order of nodes that keeps neighbours close: along the longest principal axis of the positions (N x D), then along
+/// the next. Result: indices of the positions in that order; result[0] is the first.
 std::vector<int> order_along(const NodeField& places);
 
-/// Tags of the physical groups with these names, for messages of a "surface", "curve" or "volume" of a file.
-/// Throws FileError with the names there are.
+/// Tags of the physical groups with the wanted names. what: "surface", "curve" or "volume", for messages.
+/// Throws FileError with the names there are if one is missing.
 std::vector<int> group_tags(const std::vector<std::string>& wanted, const std::map<int, std::string>& names,
                             const std::string& what, const std::string& file);
 

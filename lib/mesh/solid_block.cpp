@@ -29,8 +29,9 @@ Shape solid_block(const Lattice& lattice) {
     for (int z = 0; z < n[2]; ++z)
         for (int y = 0; y < n[1]; ++y)
             for (int x = 0; x < n[0]; ++x) {
-                const auto at = [&](int corner) { return node(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2)); };  // bit by bit: 1 along x, 2 along y, 4 along z
-                // from corner 0 to corner 7 one axis after the other, in every order
+                // bits 1, 2, 4 of `corner` step along x, y, z
+                const auto at = [&](int corner) { return node(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2)); };
+                // one tetrahedron for each path from corner 0 to corner 7 along the three axes in turn
                 std::array<int, 3> order = {1, 2, 4};
                 do {
                     const int a = at(0), b = at(order[0]), c = at(order[0] | order[1]), d = at(7);

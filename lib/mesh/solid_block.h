@@ -4,9 +4,10 @@
 
 namespace tissue {
 
-/// A block in space, x, y and z up, its bottom at z = 0 held: nodes at the corners of the lattice's cells, x fastest, then y, then z. Each cell divides into six tetrahedra
-/// (Kuhn 1960, IBM J. Res. Dev. 4: 518-524), all cells alike, so that neighbours fit.
-/// Throws MismatchError for a lattice that is not of three axes, without cells, or with a size that is not positive.
+/// A block in space with z up; its bottom at z = 0 is fixed. Nodes are the corners of the lattice's cells, x fastest,
+/// then y, then z. Each cell is divided into six tetrahedra (Kuhn 1960, IBM J. Res. Dev. 4: 518-524). All cells are
+/// divided alike, so that neighbours share their faces' diagonals.
+/// Throws MismatchError if the lattice has not three axes, has no cells or a size that is not positive.
 Shape solid_block(const Lattice& lattice);
 
 }  // namespace tissue

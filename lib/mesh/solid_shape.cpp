@@ -10,7 +10,7 @@
 #include <set>
 
 #include "error.h"
-#include "mesh/held_region.h"
+#include "mesh/fixed_region.h"
 #include "mesh/open_faces.h"
 #include "mesh/surface.h"
 
@@ -21,8 +21,9 @@ using Edge = std::array<int, 2>;
 using Face = std::array<int, 3>;
 
 constexpr int tissue_label = 10;
-// volume over the longest edge's cube; a regular tetrahedron has 0.118. Positions and forces are interpolated in it, so it may be thin but not flat:
-// gmsh leaves one of 5e-4 between two triangles of a curved surface that it may not divide
+// Least volume over the cube of the longest edge; 0.118 for a regular tetrahedron. Positions and forces are
+// interpolated in a tetrahedron, so it may be thin but not flat. gmsh leaves some of 5e-4 between two triangles of a
+// curved surface that it may not divide.
 constexpr double sliver = 1e-4;
 
 std::string at(const Eigen::RowVector3d& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
@@ -40,7 +41,7 @@ Face sorted(Face face) {
 
 Face face_of(const Cells& facets, Eigen::Index f) { return {facets(f, 0), facets(f, 1), facets(f, 2)}; }
 
-/// Every face of every tetrahedron, as it is seen from outside: none may stand twice.
+/// Refuses a face that two tetrahedra have with the same orientation.
 void refuse_overlaps(const Shape& shape, const std::string& file) {
     std::set<Face> sides;
     for (Eigen::Index t = 0; t < shape.simplices.rows(); ++t)
@@ -48,11 +49,12 @@ void refuse_overlaps(const Shape& shape, const std::string& file) {
             Face face{shape.simplices(t, corner[0]), shape.simplices(t, corner[1]), shape.simplices(t, corner[2])};
             std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
             if (!sides.insert(face).second)
-                throw FileError(fmt::format("{}: two tetrahedra lie over each other at {}", file, at(shape.nodes.row(face[0]))));
+                throw FileError(fmt::format("{}: two tetrahedra overlap at {}", file, at(shape.nodes.row(face[0]))));
         }
 }
 
-/// One closed surface, every edge of which two facets share, without a hole through it (Euler: corners - edges + facets = 2).
+/// Checks that the surface is one closed surface, with two facets at every edge and without a hole through it (Euler:
+/// corners - edges + facets = 2).
 void check_surface(const Shape& shape, const Cells& facets, const std::string& file) {
     std::map<Edge, std::vector<Eigen::Index>> sides;
     std::set<int> corners;
@@ -85,7 +87,7 @@ void check_surface(const Shape& shape, const Cells& facets, const std::string& f
     }
     const auto other = std::find(seen.begin(), seen.end(), false);
     if (other != seen.end())
-        throw FileError(fmt::format("{}: the surface is not one closed one: the tissue has a cavity, or another piece, at {}", file,
+        throw FileError(fmt::format("{}: the surface is not a single closed surface: the tissue has a cavity or a second part at {}", file,
                                     at(shape.nodes.row(facets(other - seen.begin(), 0)))));
     const long euler = static_cast<long>(corners.size()) - static_cast<long>(sides.size()) + static_cast<long>(facets.rows());
     if (euler != 2)
@@ -98,7 +100,7 @@ struct Picked {
     std::vector<int> region;
 };
 
-/// Each tetrahedron once, in the study's region that it is in.
+/// Each tetrahedron once, with its region: 0 base material, else 1 + index of the study's region.
 Picked pick(const MshFile& mesh, const std::vector<int>& region_tags) {
     Picked picked;
     std::map<std::array<int, 4>, std::size_t> seen;
@@ -113,7 +115,7 @@ Picked pick(const MshFile& mesh, const std::vector<int>& region_tags) {
             picked.region.push_back(r);
         } else if (r > 0) {
             int& own = picked.region[there->second];
-            if (own > 0 && own != r) throw FileError(fmt::format("{}: element {} lies in two of the study's regions", mesh.file, e.number));
+            if (own > 0 && own != r) throw FileError(fmt::format("{}: element {} is in two of the study's regions", mesh.file, e.number));
             own = r;
         }
     }
@@ -123,16 +125,16 @@ Picked pick(const MshFile& mesh, const std::vector<int>& region_tags) {
 }  // namespace
 
 Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixed, const std::vector<std::string>& regions,
-                       double unit_m, ShapeNotes* notes, const HeldRegion::Reader& read, const std::vector<int>& beds) {
+                       double unit_m, ShapeNotes* notes, const FixedRegion::Reader& read, const std::vector<int>& beds) {
     const std::string& file = mesh.file;
     if (mesh.tetrahedra.empty())
         throw FileError(file + ": has no tetrahedra: is its surface closed, and its volume in a physical group?");
-    const HeldParts held_by = held_parts(fixed, file, read, unit_m, beds);
+    const FixedParts held_by = fixed_parts(fixed, file, read, unit_m, beds);
     const std::vector<int> fixed_tags = group_tags(held_by.names, mesh.triangle_names, "surface", file),
                            region_tags = group_tags(regions, mesh.tetrahedron_names, "volume", file);
     const Picked picked = pick(mesh, region_tags);
 
-    // nodes in use, numbered along the longest axis
+    // used nodes, numbered along the longest axis
     std::set<int> used;
     for (const MshFile::Tetrahedron& e : picked.tetrahedra) used.insert(e.node, e.node + 4);
     const std::vector<int> points(used.begin(), used.end());
@@ -164,7 +166,7 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
                 longest = std::max(longest, (shape.nodes.row(shape.simplices(t, a)) - shape.nodes.row(shape.simplices(t, b))).norm());
         const double volume = volume_of(shape.nodes, shape.simplices, t);
         if (!(std::abs(volume) > sliver * longest * longest * longest))
-            throw FileError(fmt::format("{}: element {} at {} is a sliver: its volume is {:.2g} of its longest edge's cube", file, e.number,
+            throw FileError(fmt::format("{}: element {} at {} is a sliver: its volume is {:.2g} times the cube of its longest edge", file, e.number,
                                         at(shape.nodes.row(shape.simplices(t, 0))), std::abs(volume) / (longest * longest * longest)));
         if (volume < 0) {
             std::swap(shape.simplices(t, 2), shape.simplices(t, 3));
@@ -175,7 +177,7 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
     const Cells facets = open_faces(shape.simplices);
     check_surface(shape, facets, file);
 
-    std::map<Face, std::size_t> held;  // and the first of the named parts that has it
+    std::map<Face, std::size_t> held;  // fixed faces: index of the first named part with the face
     for (const MshFile::Element& e : mesh.triangles) {
         const auto tag = std::find(fixed_tags.begin(), fixed_tags.end(), e.physical);
         if (tag == fixed_tags.end()) continue;
@@ -207,22 +209,22 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
         shape.bed.push_back(bed);
     }
     for (std::size_t i = 0; i < beds.size(); ++i)
-        if (std::count(shape.bed.begin(), shape.bed.end(), beds[i]) == 0) throw FileError(fmt::format("{}: other parts hold all that '{}' holds, and its bed has nothing", file, fixed[i]));
+        if (std::count(shape.bed.begin(), shape.bed.end(), beds[i]) == 0) throw FileError(fmt::format("{}: other fixed parts include all of '{}', so its bed has no area", file, fixed[i]));
     if (std::count(shape.bed.begin(), shape.bed.end(), 0) == static_cast<long>(shape.bed.size())) shape.bed.clear();
     for (std::size_t r = 0; r < holds.size(); ++r)
         if (!holds[r])
-            throw FileError(fmt::format("{}: '{}' holds no facet of its surface, which reaches from {} to {}", file, held_by.regions[r].text(), at(shape.nodes.colwise().minCoeff()),
+            throw FileError(fmt::format("{}: '{}' fixes no facet of its surface, which extends from {} to {}", file, held_by.regions[r].text(), at(shape.nodes.colwise().minCoeff()),
                                         at(shape.nodes.colwise().maxCoeff())));
     if (!held.empty())
-        throw FileError(fmt::format("{}: the fixed surface at {} is not on the outside", file, at(shape.nodes.row(held.begin()->first[0]))));
+        throw FileError(fmt::format("{}: the fixed surface at {} is not on the tissue's surface", file, at(shape.nodes.row(held.begin()->first[0]))));
     if (shape.fixed_facets.empty())
-        throw FileError(fmt::format("{}: nothing of the surface is in the fixed surfaces {}", file, fmt::join(fixed, ", ")));
+        throw FileError(fmt::format("{}: no part of the surface is in the fixed surfaces {}", file, fmt::join(fixed, ", ")));
     std::set<int> fixed_nodes;
     for (const Face& face : shape.fixed_facets) fixed_nodes.insert(face.begin(), face.end());
     bool free = false;
     for (Eigen::Index f = 0; f < facets.rows() && !free; ++f)
         free = !fixed_nodes.count(facets(f, 0)) && !fixed_nodes.count(facets(f, 1)) && !fixed_nodes.count(facets(f, 2));
-    if (!free) throw FileError(fmt::format("{}: the fixed surfaces {} leave nothing of the surface free", file, fmt::join(fixed, ", ")));
+    if (!free) throw FileError(fmt::format("{}: the fixed surfaces {} leave no part of the surface free", file, fmt::join(fixed, ", ")));
     if (notes) *notes = put_right;
     return shape;
 }
@@ -231,13 +233,13 @@ std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& reg
     const Cells facets = open_faces(shape.simplices);
     std::map<Face, int> held;
     for (std::size_t f = 0; f < shape.fixed_facets.size(); ++f)
-        held[sorted(shape.fixed_facets[f])] = held_label(shape.bed.empty() ? 0 : shape.bed[f]);
+        held[sorted(shape.fixed_facets[f])] = fixed_label_of(shape.bed.empty() ? 0 : shape.bed[f]);
     const std::set<int> beds(shape.bed.begin(), shape.bed.end());
     const auto named = std::count_if(beds.begin(), beds.end(), [](int bed) { return bed > 0; });
     std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n2 {} \"fixed\"\n2 {} \"free\"\n", 3 + static_cast<std::size_t>(named) + regions.size(), Surface::fixed_label,
                                    Surface::free_label);
     for (int bed : beds)
-        if (const int label = held_label(bed); bed > 0) text += fmt::format("2 {} \"{}\"\n", label, held_name(label));
+        if (const int label = fixed_label_of(bed); bed > 0) text += fmt::format("2 {} \"{}\"\n", label, fixed_name(label));
     text += fmt::format("3 {} \"tissue\"\n", tissue_label);
     for (std::size_t r = 0; r < regions.size(); ++r) text += fmt::format("3 {} \"{}\"\n", tissue_label + 1 + static_cast<int>(r), regions[r]);
     text += fmt::format("$EndPhysicalNames\n$Nodes\n{}\n", shape.nodes.rows());
@@ -260,7 +262,7 @@ std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& reg
 
 Shape read_solid_shape(const std::string& file) {
     const MshFile mesh = read_msh(file, true);
-    const auto refuse = [&] { throw FileError(file + ": is not a solid shape's mesh that tissuectl shape wrote"); };
+    const auto refuse = [&] { throw FileError(file + ": is not a mesh in space of tissuectl shape"); };
     Shape shape;
     shape.nodes.resize(static_cast<Eigen::Index>(mesh.points.size()), 3);
     for (std::size_t i = 0; i < mesh.points.size(); ++i)
@@ -291,7 +293,7 @@ SpringMesh solid_edge_mesh(const Shape& shape) {
     std::set<int> fixed;
     for (const Face& face : shape.fixed_facets) fixed.insert(face.begin(), face.end());
     mesh.fixed.assign(fixed.begin(), fixed.end());
-    std::map<Edge, double> volume;  // of the tetrahedra on each edge
+    std::map<Edge, double> volume;  // sum of the tetrahedra at each edge
     mesh.node_measure = Eigen::VectorXd::Zero(mesh.node_count());
     for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
         const double own = volume_of(mesh.nodes, mesh.simplices, t);

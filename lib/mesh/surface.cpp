@@ -15,7 +15,7 @@
 #include "error.h"
 #include "mesh/facet.h"
 #include "mesh/nearest_triangle.h"
-#include "mesh/held_region.h"
+#include "mesh/fixed_region.h"
 
 namespace tissue {
 namespace {
@@ -32,9 +32,9 @@ Face sorted(Face face) {
     return face;
 }
 
-/// Faces of one tetrahedron alone, normals out.
+/// Faces that belong to one tetrahedron only, normals out.
 std::vector<Face> outer_faces(const MshFile& mesh, const std::string& file) {
-    std::map<Face, std::pair<Face, int>> seen;  // sorted nodes -> face, how often
+    std::map<Face, std::pair<Face, int>> seen;  // sorted nodes -> face, number of tetrahedra
     for (const MshFile::Tetrahedron& e : mesh.tetrahedra) {
         const auto place = [&](int i) {
             const MshFile::Point& p = mesh.points[static_cast<std::size_t>(e.node[i])];
@@ -46,7 +46,7 @@ std::vector<Face> outer_faces(const MshFile& mesh, const std::string& file) {
             Face face{e.node[i], e.node[j], e.node[k]};
             if (volume < 0) std::swap(face[1], face[2]);
             auto& there = seen.emplace(sorted(face), std::pair(face, 0)).first->second;
-            if (++there.second > 2) throw FileError(fmt::format("{}: tetrahedron {} lies over another", file, e.number));
+            if (++there.second > 2) throw FileError(fmt::format("{}: tetrahedron {} overlaps another", file, e.number));
         }
     }
     std::vector<Face> faces;
@@ -55,7 +55,8 @@ std::vector<Face> outer_faces(const MshFile& mesh, const std::string& file) {
     return faces;
 }
 
-/// The neighbour across each side of each triangle, as (triangle, whether it runs the other way, as it should).
+/// The neighbour across each side of each triangle: (triangle, whether it runs the side in the opposite direction, as
+/// it does if both are oriented alike).
 std::vector<std::array<std::pair<int, bool>, 3>> neighbours(const Surface& s, const std::string& file) {
     std::map<Edge, std::vector<std::pair<int, int>>> sides;
     for (int t = 0; t < s.triangles.rows(); ++t)
@@ -66,7 +67,7 @@ std::vector<std::array<std::pair<int, bool>, 3>> neighbours(const Surface& s, co
     std::vector<std::array<std::pair<int, bool>, 3>> across(static_cast<std::size_t>(s.triangles.rows()));
     for (const auto& [edge, here] : sides) {
         if (here.size() != 2)
-            throw FileError(fmt::format("{}: the surface {} at {}", file, here.size() == 1 ? "does not close: it has a border" : "meets itself",
+            throw FileError(fmt::format("{}: the surface {} at {}", file, here.size() == 1 ? "is not closed: it has a border" : "touches itself",
                                         at((s.nodes.row(edge.first) + s.nodes.row(edge.second)) / 2)));
         const bool opposite = s.triangles(here[0].first, here[0].second) != s.triangles(here[1].first, here[1].second);
         for (int k = 0; k < 2; ++k)
@@ -86,7 +87,8 @@ double enclosed_volume(const Surface& s) {
     return six / 6;
 }
 
-/// Turns triangles so that all point out, and checks that they are one ball's surface.
+/// Turns triangles so that all normals point out, and checks that the surface is one closed piece without holes through
+/// it.
 void close(Surface& s, const std::string& file) {
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
         if (!(facet_measure(s.nodes, s.triangles, t) > 0))
@@ -104,7 +106,7 @@ void close(Surface& s, const std::string& file) {
             const char turn = opposite ? turned[static_cast<std::size_t>(t)] : !turned[static_cast<std::size_t>(t)];
             if (seen[static_cast<std::size_t>(other)]) {
                 if (turned[static_cast<std::size_t>(other)] != turn)
-                    throw FileError(fmt::format("{}: the surface has one side only, at {}", file, at(s.nodes.row(s.triangles(other, 0)))));
+                    throw FileError(fmt::format("{}: the surface has only one side, at {}", file, at(s.nodes.row(s.triangles(other, 0)))));
                 continue;
             }
             seen[static_cast<std::size_t>(other)] = 1;
@@ -115,22 +117,22 @@ void close(Surface& s, const std::string& file) {
     }
     if (count < across.size()) {
         const auto other = static_cast<Eigen::Index>(std::find(seen.begin(), seen.end(), 0) - seen.begin());
-        throw FileError(fmt::format("{}: the surface is of more than one piece: another, or a hollow, at {}", file, at(s.nodes.row(s.triangles(other, 0)))));
+        throw FileError(fmt::format("{}: the surface has more than one part: a second part or a cavity at {}", file, at(s.nodes.row(s.triangles(other, 0)))));
     }
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
         if (turned[static_cast<std::size_t>(t)]) std::swap(s.triangles(t, 1), s.triangles(t, 2));
     const double volume = enclosed_volume(s);
-    if (volume == 0) throw FileError(file + ": the surface closes in no volume");
+    if (volume == 0) throw FileError(file + ": the surface encloses no volume");
     if (volume < 0)
         for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) std::swap(s.triangles(t, 1), s.triangles(t, 2));
-    // Euler: N - E + T = 2 of a ball, E = 3 T / 2
+    // Euler: N - E + T = 2 for a sphere, with E = 3 T / 2
     const Eigen::Index euler = s.nodes.rows() - s.triangles.rows() / 2;
     if (euler != 2)
-        throw FileError(euler < 2 ? fmt::format("{}: the tissue has {} holes through it; a shape is a ball's", file, (2 - euler) / 2)
+        throw FileError(euler < 2 ? fmt::format("{}: the tissue has {} holes through it; a shape must have none", file, (2 - euler) / 2)
                                   : file + ": the surface touches itself at a point");
 }
 
-/// Parts of the surface between creases, numbered from the largest on.
+/// Part of each triangle; parts are bounded by creases and numbered from the largest.
 std::vector<int> parts_between_creases(const Surface& s, const std::string& file) {
     const auto across = neighbours(s, file);
     std::vector<int> part(across.size(), -1);
@@ -161,7 +163,7 @@ std::vector<int> parts_between_creases(const Surface& s, const std::string& file
     return part;
 }
 
-bool held_by(Surface& s, const HeldRegion& region, const std::string& file, int label) try {
+bool held_by(Surface& s, const FixedRegion& region, const std::string& file, int label) try {
     return hold(s, region, label);
 } catch (const MismatchError& e) {
     throw FileError(file + ": " + e.what());
@@ -171,7 +173,7 @@ bool held_by(Surface& s, const HeldRegion& region, const std::string& file, int 
 
 namespace {
 
-/// A closed surface, all of it free, and of each triangle its nodes in the file.
+/// A closed surface, all of it free, and the file's nodes of each triangle.
 struct Closed {
     Surface surface;
     std::vector<Face> faces;
@@ -183,7 +185,7 @@ Closed closed(const MshFile& mesh, double unit_m) {
         faces = outer_faces(mesh, file);
     } else {
         for (const MshFile::Element& e : mesh.triangles) faces.push_back({e.node[0], e.node[1], e.node[2]});
-        std::vector<Face> keys;  // an element in two groups stands twice
+        std::vector<Face> keys;  // an element in two groups is listed twice
         for (const Face& f : faces) keys.push_back(sorted(f));
         std::sort(keys.begin(), keys.end());
         if (std::adjacent_find(keys.begin(), keys.end()) != keys.end()) {
@@ -222,21 +224,21 @@ Closed closed(const MshFile& mesh, double unit_m) {
 
 Surface closed_surface(const MshFile& mesh, double unit_m) { return closed(mesh, unit_m).surface; }
 
-std::string held_name(int label) { return label == Surface::fixed_label ? "fixed" : fmt::format("bed-{}", label - Surface::first_bed_label + 1); }
+std::string fixed_name(int label) { return label == Surface::fixed_label ? "fixed" : fmt::format("bed-{}", label - Surface::first_bed_label + 1); }
 
-Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const HeldRegion::Reader& read, const std::vector<int>& beds) {
-    const HeldParts held_by_part = held_parts(held, mesh.file, read, unit_m, beds);
+Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const FixedRegion::Reader& read, const std::vector<int>& beds) {
+    const FixedParts held_by_part = fixed_parts(held, mesh.file, read, unit_m, beds);
     const std::vector<std::string>& fixed = held_by_part.names;
     const std::string& file = mesh.file;
     auto [s, faces] = closed(mesh, unit_m);
     std::vector<std::string> known;
-    std::vector<std::size_t> first(faces.size(), fixed.size());  // of `fixed` that has a triangle
+    std::vector<std::size_t> first(faces.size(), fixed.size());  // index of each triangle's first part of `fixed`
     const auto hold_group = [&, &s = s](const std::string& name, const std::vector<std::size_t>& triangles) {
         const auto part = static_cast<std::size_t>(std::find(fixed.begin(), fixed.end(), name) - fixed.begin());
         for (std::size_t t : triangles) {
             if (part >= first[t]) continue;
             first[t] = part;
-            s.label[t] = held_label(held_by_part.bed_of_name[part]);
+            s.label[t] = fixed_label_of(held_by_part.bed_of_name[part]);
         }
         known.push_back(name);
     };
@@ -253,8 +255,8 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, 
                 if (there != number.end()) group.push_back(there->second);
             }
             const bool wanted = std::find(fixed.begin(), fixed.end(), name) != fixed.end();
-            if (wanted && group.size() < all) throw FileError(fmt::format("{}: '{}', to be held, has triangles that are not on the surface", file, name));
-            if (wanted && all == 0) throw FileError(fmt::format("{}: '{}', to be held, has no triangles", file, name));
+            if (wanted && group.size() < all) throw FileError(fmt::format("{}: '{}', which is fixed, has triangles that are not on the surface", file, name));
+            if (wanted && all == 0) throw FileError(fmt::format("{}: '{}', which is fixed, has no triangles", file, name));
             hold_group(name, group);
         }
     } else {
@@ -270,21 +272,21 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, 
     for (const std::string& name : fixed)
         if (std::find(known.begin(), known.end(), name) == known.end()) {
             if (known.size() > 12) known.assign({known[0], known[1], "...", known.back()});
-            throw FileError(fmt::format("{}: has no surface '{}' to hold; it has {}", file, name, fmt::join(known, ", ")));
+            throw FileError(fmt::format("{}: has no surface '{}' to fix; its surfaces: {}", file, name, fmt::join(known, ", ")));
         }
     for (std::size_t k = 0; k < held_by_part.regions.size(); ++k)
-        if (const HeldRegion& region = held_by_part.regions[k]; !held_by(s, region, file, held_label(held_by_part.bed_of_region[k])))
-            throw FileError(fmt::format("{}: '{}' holds nothing of its surface, which reaches from {}", file, region.text(), extent(s.nodes)));
-    if (held.empty()) throw FileError(file + ": no surface of it is held");
+        if (const FixedRegion& region = held_by_part.regions[k]; !held_by(s, region, file, fixed_label_of(held_by_part.bed_of_region[k])))
+            throw FileError(fmt::format("{}: '{}' fixes no part of its surface, which extends from {}", file, region.text(), extent(s.nodes)));
+    if (held.empty()) throw FileError(file + ": no part of its surface is fixed");
     for (std::size_t i = 0; i < beds.size(); ++i)
-        if (std::count(s.label.begin(), s.label.end(), held_label(beds[i])) == 0) throw FileError(fmt::format("{}: other parts hold all that '{}' holds, and its bed has nothing", file, held[i]));
+        if (std::count(s.label.begin(), s.label.end(), fixed_label_of(beds[i])) == 0) throw FileError(fmt::format("{}: other fixed parts include all of '{}', so its bed has no area", file, held[i]));
     if (std::count(s.label.begin(), s.label.end(), Surface::free_label) == 0)
-        throw FileError(fmt::format("{}: all of the surface is held: it reaches from {}", file, extent(s.nodes)));
+        throw FileError(fmt::format("{}: all of the surface is fixed: it extends from {}", file, extent(s.nodes)));
     return s;
 }
 
 Enclosed enclosed_by(const Surface& s) {
-    const Eigen::Vector3d from = s.corner(0, 0);  // by tetrahedra from there to every triangle
+    const Eigen::Vector3d from = s.corner(0, 0);  // sum over tetrahedra from this point to each triangle
     Enclosed sum{0, Eigen::Vector3d::Zero()};
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
         const Eigen::Vector3d a = s.corner(t, 0) - from, b = s.corner(t, 1) - from, c = s.corner(t, 2) - from;
@@ -296,16 +298,17 @@ Enclosed enclosed_by(const Surface& s) {
     return sum;
 }
 
-double held_area_m2(const Surface& s) {
+double fixed_area_m2(const Surface& s) {
     double area = 0;
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
         if (Surface::is_held(s.label[static_cast<std::size_t>(t)])) area += facet_measure(s.nodes, s.triangles, t);
     return area;
 }
 
-void check_held_area(const Surface& before, const Surface& divided) {
+void check_fixed_area(const Surface& before, const Surface& divided) {
     const auto held = [](const Surface& s, Eigen::Index t) { return Surface::is_held(s.label[static_cast<std::size_t>(t)]); };
-    boost::disjoint_sets_with_storage<> part(static_cast<std::size_t>(before.nodes.rows()));  // nodes of held triangles that are connected
+    // sets of connected nodes of fixed triangles
+    boost::disjoint_sets_with_storage<> part(static_cast<std::size_t>(before.nodes.rows()));
     for (Eigen::Index t = 0; t < before.triangles.rows(); ++t)
         for (int i = 1; i < 3 && held(before, t); ++i) part.union_set(static_cast<std::size_t>(before.triangles(t, 0)), static_cast<std::size_t>(before.triangles(t, i)));
     const auto part_of = [&](Eigen::Index t) { return part.find_set(static_cast<std::size_t>(before.triangles(t, 0))); };
@@ -318,12 +321,12 @@ void check_held_area(const Surface& before, const Surface& divided) {
             if (const Eigen::Index there = nearest.nearest((divided.corner(t, 0) + divided.corner(t, 1) + divided.corner(t, 2)) / 3).triangle; held(before, there)) has[part_of(there)] += facet_measure(divided.nodes, divided.triangles, t);
     for (const auto& [number, area] : had)
         if (has[number] < 0.9 * area)
-            throw MismatchError(fmt::format("of {:.3g} mm2 that are held about {} {:.3g} mm2 are left when the surface is divided: sides are too long for what is held", 1e6 * area, at(before.nodes.row(static_cast<Eigen::Index>(number))),
+            throw MismatchError(fmt::format("of {:.3g} mm2 of fixed surface at {} only {:.3g} mm2 remain after remeshing: edges are too long for this fixed part", 1e6 * area, at(before.nodes.row(static_cast<Eigen::Index>(number))),
                                             1e6 * has[number]));
 }
 
 std::string to_msh(const Surface& outer, const Surface* inner) {
-    constexpr int inner_label = 4;  // an entity of gmsh's, in no physical group
+    constexpr int inner_label = 4;  // number of gmsh's geometric entity; in no physical group
     Surface s = outer;
     if (inner != nullptr) {
         s.nodes.conservativeResize(outer.nodes.rows() + inner->nodes.rows(), 3);
@@ -337,7 +340,7 @@ std::string to_msh(const Surface& outer, const Surface* inner) {
     std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n2 {} \"fixed\"\n2 {} \"free\"\n2 {} \"disc\"\n", 3 + beds, Surface::fixed_label, Surface::free_label,
                                    Surface::disc_label);
     for (int label : labels)
-        if (label >= Surface::first_bed_label) text += fmt::format("2 {} \"{}\"\n", label, held_name(label));
+        if (label >= Surface::first_bed_label) text += fmt::format("2 {} \"{}\"\n", label, fixed_name(label));
     text += fmt::format("$EndPhysicalNames\n$Nodes\n{}\n", s.nodes.rows());
     for (Eigen::Index i = 0; i < s.nodes.rows(); ++i) text += fmt::format("{} {} {} {}\n", i + 1, s.nodes(i, 0), s.nodes(i, 1), s.nodes(i, 2));
     text += fmt::format("$EndNodes\n$Elements\n{}\n", s.triangles.rows());

@@ -33,10 +33,10 @@ SurfaceDistance::SurfaceDistance(const MshFile& mesh, double unit_m) {
         const Triangle t(point(e.node[0]), point(e.node[1]), point(e.node[2]));
         if (t.squared_area() > 0) tree->triangles.push_back(t);
     }
-    if (tree->triangles.empty()) throw FileError(mesh.file + ": has no triangle that has an area");
+    if (tree->triangles.empty()) throw FileError(mesh.file + ": has no triangle with an area");
     tree->boxes.insert(tree->triangles.begin(), tree->triangles.end());
     tree->boxes.build();
-    tree->boxes.accelerate_distance_queries();  // else the first question does, whichever thread asks it
+    tree->boxes.accelerate_distance_queries();  // else the first query does this, in whichever thread
     tree_ = tree;
 }
 

@@ -7,13 +7,13 @@
 
 namespace tissue {
 
-/// How far places are from the triangles of a surface, by CGAL's tree of boxes. Copies share it.
+/// Distance of positions from the triangles of a surface, by CGAL's AABB tree. Copies share the tree.
 class SurfaceDistance {
    public:
-    /// unit_m [m] is the mesh's unit of length. Throws FileError for a mesh without a triangle that has an area.
+    /// unit_m: the mesh's unit of length [m]. Throws FileError if no triangle of the mesh has an area.
     SurfaceDistance(const MshFile& mesh, double unit_m);
 
-    /// >= 0, inside a closed surface too [m]. Any number of threads may ask at once.
+    /// Distance of a position [m], >= 0 also inside a closed surface. Safe to call from several threads.
     double operator()(const Eigen::Vector3d& place_m) const;
 
    private:

@@ -15,11 +15,11 @@
 namespace tissue {
 namespace {
 
-constexpr double longest = 4.0 / 3, shortest = 4.0 / 5;  // of the wanted length; their ratio keeps a split from being undone
-constexpr double by_radius = 0.6;                        // of the radius of curvature
-constexpr double growth = 0.3;                           // of a limit by curvature, per length
-constexpr double same_way = 0.5;                         // cosine of normals before and after an operation
-constexpr double least_made = 0.3;                       // quality of a triangle that a collapse may make
+constexpr double longest = 4.0 / 3, shortest = 4.0 / 5;  // over the wanted length: split above, collapse below
+constexpr double by_radius = 0.6;                        // wanted length over the radius of curvature
+constexpr double growth = 0.3;                           // of the size limit per length along the surface
+constexpr double same_way = 0.5;                         // least cosine between normals before and after an operation
+constexpr double least_made = 0.3;                       // a collapse may lower the least quality down to this
 
 std::string at_place(const Eigen::Vector3d& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g}) m", p.x(), p.y(), p.z()); }
 
@@ -40,9 +40,9 @@ SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted, doub
         triangles_.push_back({{base.triangles(t, 0), base.triangles(t, 1), base.triangles(t, 2)}, base.label[static_cast<std::size_t>(t)], true});
         for (int i = 0; i < 3; ++i) around(base.triangles(t, i)).push_back(static_cast<int>(t));
     }
-    // ---- lines to keep, and how the surface turns where there are none
+    // ---- lines to keep; curvature at all other sides
     std::vector<double> turn(N, 0), sides_at(N, 0);
-    std::vector<std::array<int, 2>> found, borders;  // borders: of labels
+    std::vector<std::array<int, 2>> found, borders;  // borders: between labels
     const std::vector<std::array<int, 2>> all = sides();
     for (const auto& [a, b] : all) {
         const auto [left, right] = triangles_at(a, b);
@@ -82,7 +82,7 @@ SurfaceRemesh::SurfaceRemesh(const Surface& base, const SideLength& wanted, doub
     pin_corners();
 }
 
-/// The border of a held part keeps a number of sides, or a small part is worn away.
+/// Limits the wanted length to 1/16 of the length of a border between labels. Otherwise small fixed parts would vanish.
 void SurfaceRemesh::limit_on_borders(const std::vector<std::array<int, 2>>& lines) {
     constexpr double least_sides = 16;
     std::map<int, std::vector<int>> across;
@@ -107,7 +107,7 @@ void SurfaceRemesh::limit_on_borders(const std::vector<std::array<int, 2>>& line
     }
 }
 
-/// Nodes where lines end, meet or turn sharply stay where they are.
+/// Pins the nodes where lines end, meet or turn by more than 40 degrees.
 void SurfaceRemesh::pin_corners() {
     for (int node = 0; node < static_cast<int>(place_.size()); ++node) {
         if (around(node).empty()) continue;
@@ -242,7 +242,7 @@ bool SurfaceRemesh::collapse(int gone, int kept) {
     if (pinned_[static_cast<std::size_t>(gone)]) return false;
     const int lines = lines_at(gone);
     if (lines > 0 && (lines != 2 || !is_line(gone, kept))) return false;
-    if (lines > 0 && lines_at(kept) > 0) {  // stay on one kind of line: a rim does not turn into a crease
+    if (lines > 0 && lines_at(kept) > 0) {  // a rim must not become a crease, nor a crease the rim
         int rims = 0;
         for (int other : neighbours(gone)) rims += is_rim(gone, other);
         if (rims == 1) return false;
@@ -267,8 +267,8 @@ bool SurfaceRemesh::collapse(int gone, int kept) {
     }
     if (after < std::min(before, least_made)) return false;
     for (int other : of_gone)
-        if (other != kept && length(kept, other) > longest * wanted(kept, other)) return false;
-    // ---- done for good
+        if (other != kept && length(kept, other) > longest * wanted(kept, other)) return false;  // would be split again
+    // ---- all checks passed: collapse
     for (int other : of_gone)
         for (auto* set : {&lines_, &rim_})
             if (set->erase(side(gone, other)) > 0 && other != kept) set->insert(side(kept, other));
@@ -300,7 +300,7 @@ bool SurfaceRemesh::flip(int a, int b) {
     const Eigen::Vector3d one = (at(d) - at(a)).cross(at(c) - at(a)), two = (at(b) - at(d)).cross(at(c) - at(d));
     for (int t : {left, right}) {
         const Eigen::Vector3d old = twice_area(t);
-        // a flat triangle has no normal worth comparing
+        // the normal of a flat triangle is meaningless
         if (quality(t) < 1e-3) continue;
         for (const Eigen::Vector3d& made : {one, two})
             if (!(made.dot(old) > crease_cosine * made.norm() * old.norm())) return false;
@@ -339,7 +339,7 @@ void SurfaceRemesh::move(int node) {
         for (int other : others)
             if (is_line(node, other)) sum += at(other), weights += 1;
     } else {
-        for (int t : around(node)) {  // a triangle pulls by its area in units of the wanted one
+        for (int t : around(node)) {  // centroids weighted by area over squared wanted length
             const auto& n = corners(t);
             const Eigen::Vector3d middle = (at(n[0]) + at(n[1]) + at(n[2])) / 3;
             const double size = wanted_.at(middle), weight = twice_area(t).norm() / (size * size);
@@ -369,7 +369,7 @@ void SurfaceRemesh::split_long() {
         }
         if (too_long.empty()) return;
         std::sort(too_long.begin(), too_long.end());
-        // longest first, down to half: shorter ones may be no sides of the new triangles' choice
+        // longest first, down to half of the longest: flips may remove shorter sides before the next sweep
         for (const auto& [minus, ends] : too_long) {
             if (minus > 0.5 * too_long.front().first) break;
             const auto [a, b] = ends;
@@ -425,7 +425,7 @@ void SurfaceRemesh::remesh(int rounds) {
 
 int SurfaceRemesh::insert(const Eigen::Vector3d& position_m) {
     const NearestTriangle::Place place = NearestTriangle(surface()).nearest(position_m);
-    // surface() leaves dead triangles and nodes out; the same places by walking alike
+    // surface() omits dead triangles: find the triangle with that number among the living ones
     int t = -1, number = 0;
     for (int k = 0; k < static_cast<int>(triangles_.size()); ++k)
         if (triangles_[static_cast<std::size_t>(k)].alive && number++ == place.triangle) t = k;
@@ -442,7 +442,7 @@ int SurfaceRemesh::insert(const Eigen::Vector3d& position_m) {
         place_[static_cast<std::size_t>(made)] = position_m;
     } else if (place.weight[most] < 0.999) {
         const int a = n[static_cast<std::size_t>(most)], c = n[static_cast<std::size_t>(least)], b = n[static_cast<std::size_t>(3 - most - least)];
-        // the longer way round: onto the side of the two nearest nodes, then, off it, onto the way across
+        // split the side of the two nearest nodes; a position off this side then splits the new side to the third node
         made = split(a, b, place.weight[least] < 1e-3 ? position_m : Eigen::Vector3d((at(a) + at(b)) / 2), limit);
         if (place.weight[least] >= 1e-3) made = split(made, c, position_m, limit);
     }
@@ -465,7 +465,7 @@ void SurfaceRemesh::cut(int centre, double radius_m) {
         next.pop_back();
         for (int t : around(node))
             if (Surface::is_held(triangles_[static_cast<std::size_t>(t)].label))
-                throw MismatchError(fmt::format("the disc of radius {:.6g} m about {} overlaps the held part at {}", radius_m, at_place(rim_centre_m_), at_place(at(node))));
+                throw MismatchError(fmt::format("the disc of radius {:.6g} m about {} overlaps a fixed part at {}", radius_m, at_place(rim_centre_m_), at_place(at(node))));
         for (int other : neighbours(node))
             if (!inside[static_cast<std::size_t>(other)] && off(other) < 0) {
                 inside[static_cast<std::size_t>(other)] = 1;
@@ -475,7 +475,7 @@ void SurfaceRemesh::cut(int centre, double radius_m) {
     for (const auto& [a, b] : sides()) {
         if (inside[static_cast<std::size_t>(a)] == inside[static_cast<std::size_t>(b)]) continue;
         const int in = inside[static_cast<std::size_t>(a)] ? a : b, out = in == a ? b : a;
-        if (off(out) <= 0) continue;  // on the rim already
+        if (off(out) <= 0) continue;  // on the rim
         // |in + w (out - in) - centre| = R
         const Eigen::Vector3d along = at(out) - at(in), from = at(in) - rim_centre_m_;
         const double A = along.squaredNorm(), B = from.dot(along), C = from.squaredNorm() - radius_m * radius_m;
@@ -484,7 +484,7 @@ void SurfaceRemesh::cut(int centre, double radius_m) {
         split(in, out, at(in) + w * along, limit);
         inside.push_back(0);
     }
-    // a triangle with a node inside is inside now; those cut across two sides were divided on the way
+    // the splits divided all triangles at the rim, so a triangle with a node inside is inside
     for (Triangle& t : triangles_) {
         if (!t.alive) continue;
         for (int node : t.node)
@@ -497,7 +497,7 @@ void SurfaceRemesh::cut(int centre, double radius_m) {
         rim_.insert(side(a, b));
     }
     if (rim_.empty()) throw MismatchError(fmt::format("the disc of radius {:.6g} m about {} covers the whole surface", radius_m, at_place(rim_centre_m_)));
-    // ---- one patch with one rim: every rim node has two sides of it, and N - E + T = 1
+    // ---- one patch with one rim: each rim node has two rim sides, and N - E + T = 1
     std::map<int, int> ends;
     for (Side s : rim_) ++ends[static_cast<int>(s >> 32)], ++ends[static_cast<int>(s & 0xffffffff)];
     std::unordered_set<int> disc_nodes;
@@ -513,7 +513,7 @@ void SurfaceRemesh::cut(int centre, double radius_m) {
     }
     const bool looped = std::all_of(ends.begin(), ends.end(), [](const auto& e) { return e.second == 2; });
     if (!looped || static_cast<long>(disc_nodes.size()) - static_cast<long>(disc_sides.size()) + disc_triangles != 1)
-        throw MismatchError(fmt::format("the disc of radius {:.6g} m about {} is no patch with one rim: the surface is too narrow there", radius_m, at_place(rim_centre_m_)));
+        throw MismatchError(fmt::format("the disc of radius {:.6g} m about {} has more than one rim: the surface is too narrow there", radius_m, at_place(rim_centre_m_)));
     pin_corners();
 }
 

@@ -40,10 +40,11 @@ std::vector<Triangle> triangles_of(const MshFile& mesh, const std::vector<Point>
     return all;
 }
 
-/// Distances of one surface from another, at the middles of parts of its triangles that are no longer than a spacing, or a larger one that makes no more than half a million of them.
+/// Distances of one surface from another, at the centroids of parts of its triangles. Parts have sides of at most
+/// `spacing`, which is enlarged so that there are about half a million parts at most.
 struct Distances {
     double median = 0, most = 0;
-    Point at;  // where it is most
+    Point at;  // point of the largest distance
 };
 Distances distances(const std::vector<Triangle>& from, const std::vector<Triangle>& to, double spacing) {
     constexpr double most_parts = 5e5;
@@ -51,7 +52,7 @@ Distances distances(const std::vector<Triangle>& from, const std::vector<Triangl
     double area = 0;
     for (const Triangle& t : from) area += std::sqrt(t.squared_area());
     spacing = std::max(spacing, std::sqrt(2 * area / most_parts));
-    std::vector<std::pair<double, double>> all;  // and the area that each stands for
+    std::vector<std::pair<double, double>> all;  // distance, and twice the area of the part
     Distances d;
     std::vector<Triangle> left(from.rbegin(), from.rend());
     while (!left.empty()) {
@@ -61,7 +62,8 @@ Distances distances(const std::vector<Triangle>& from, const std::vector<Triangl
         for (int i = 1; i < 3; ++i)
             if (CGAL::squared_distance(t[i], t[i + 1]) > CGAL::squared_distance(t[longest], t[longest + 1])) longest = i;
         const Point a = t[longest], b = t[longest + 1], c = t[longest + 2];
-        if (CGAL::squared_distance(a, b) > spacing * spacing && all.size() + left.size() < 4 * most_parts + from.size()) {  // long thin ones have more parts than their area says
+        // the second limit is for long thin triangles, which make more parts than their area implies
+        if (CGAL::squared_distance(a, b) > spacing * spacing && all.size() + left.size() < 4 * most_parts + from.size()) {
             const Point middle = CGAL::midpoint(a, b);
             left.push_back({a, middle, c});
             left.push_back({middle, b, c});
@@ -99,7 +101,7 @@ SurfaceRepair usual_repair(const MshFile& mesh) { return {extent_of(mesh) / 50, 
 RepairedSurface repaired(const MshFile& mesh, const SurfaceRepair& repair) {
     const double extent = extent_of(mesh);
     if (!(repair.closes >= extent / 250) || !(repair.offset >= extent / 1e5) || !std::isfinite(repair.closes + repair.offset))
-        throw MismatchError(fmt::format("{}: is {:.4g} across in its file's unit; in that unit a repair closes what is narrower than at least {:.2g}, and lies at least {:.2g} outside", mesh.file, extent, extent / 250, extent / 1e5));
+        throw MismatchError(fmt::format("{}: has the size {:.4g} in its file's unit; in that unit --closes must be at least {:.2g} and --offset at least {:.2g}", mesh.file, extent, extent / 250, extent / 1e5));
     const std::vector<Point> points = points_of(mesh);
     const std::vector<Triangle> given = triangles_of(mesh, points);
     if (given.empty()) throw FileError(mesh.file + ": has no triangle with an area");
@@ -110,7 +112,7 @@ RepairedSurface repaired(const MshFile& mesh, const SurfaceRepair& repair) {
         for (int i = 0; i < 3; ++i) corners.push_back(t[i]);
     }
     CGAL::Surface_mesh<Point> wrap;
-    CGAL::alpha_wrap_3(corners, faces, repair.closes / 2, repair.offset, wrap);  // a radius
+    CGAL::alpha_wrap_3(corners, faces, repair.closes / 2, repair.offset, wrap);  // alpha is a radius
     RepairedSurface made{};
     made.distances.left_out = CGAL::Polygon_mesh_processing::keep_largest_connected_components(wrap, 1);
     wrap.collect_garbage();
@@ -134,10 +136,11 @@ RepairedSurface repaired(const MshFile& mesh, const SurfaceRepair& repair) {
 
 std::string to_stl(const MshFile& mesh) {
     std::string bytes(80, ' ');
-    const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };  // little-endian, as every machine that we support
+    // .stl is little-endian, and so are all supported machines
+    const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
     put(static_cast<std::uint32_t>(mesh.triangles.size()));
     for (const MshFile::Element& e : mesh.triangles) {
-        std::array<float, 12> facet{};  // its normal is left to the order of its corners
+        std::array<float, 12> facet{};  // normal 0: readers take it from the order of the corners
         for (int i = 0; i < 3; ++i) {
             const MshFile::Point& p = mesh.points[static_cast<std::size_t>(e.node[i])];
             facet[static_cast<std::size_t>(3 * i + 3)] = static_cast<float>(p.x);

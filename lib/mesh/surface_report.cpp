@@ -33,7 +33,7 @@ class Surveyor {
         for (const MshFile::Element& e : mesh.triangles) {
             std::array<int, 3> corners{e.node[0], e.node[1], e.node[2]}, key = corners;
             std::sort(key.begin(), key.end());
-            if (seen.insert(key).second) triangles_.push_back(corners);  // one in two groups stands twice
+            if (seen.insert(key).second) triangles_.push_back(corners);  // an element in two groups is listed twice
         }
         if (triangles_.empty()) throw FileError(mesh.file + ": has no triangles");
         for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
@@ -96,16 +96,16 @@ class Surveyor {
             r.shortest = std::min(r.shortest, side[0]);
             r.area += twice / 2;
             if (!(twice > 1e-12 * side[2] * side[2])) note(r, Kind::flat, middle(t));
-            // the smallest angle lies between the two longest sides
+            // the smallest angle is between the two longest sides
             else if (twice / (side[1] * side[2]) < std::sin(sliver_angle_deg * 3.14159265358979 / 180)) ++r.slivers;
         }
         r.mean = sum / (3 * static_cast<double>(r.triangles));
         r.points = static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
     }
 
-    /// Whether two triangles share every edge.
+    /// Notes holes and non-manifold edges. Result: whether every edge has exactly two triangles.
     bool edges(SurfaceReport& r) const {
-        std::map<int, std::vector<int>> open;  // from each point along sides that one triangle has
+        std::map<int, std::vector<int>> open;  // neighbours of each point along sides with one triangle only
         for (const auto& [edge, triangles] : sides_) {
             const Eigen::Vector3d at = (place(edge.first) + place(edge.second)) / 2;
             if (triangles.size() > 2) note(r, Kind::crowded, at);
@@ -115,7 +115,7 @@ class Surveyor {
         }
         std::map<int, char> seen;
         double longest = 0;
-        for (const auto& [first, ends] : open) {  // what is connected counts as one hole
+        for (const auto& [first, ends] : open) {  // each connected set is one hole
             if (seen[first]) continue;
             std::vector<int> next{first};
             seen[first] = 1;
@@ -140,10 +140,12 @@ class Surveyor {
         return open.empty() && std::none_of(r.faults.begin(), r.faults.end(), [](const SurfaceFault& f) { return f.kind == Kind::crowded; });
     }
 
-    /// Which triangles are to be turned so that each part agrees on what is outside, as mesh/surface.cpp does when it is filled.
+    /// Finds the triangles to turn so that each part's normals point out, as mesh/surface.cpp turns them. Notes edges
+    /// where this is impossible.
     void orient(SurfaceReport& r) {
         turn_.assign(triangles_.size(), 0);
-        std::vector<std::vector<std::pair<int, bool>>> across(triangles_.size());  // neighbours, and whether they run the edge the same way
+        // neighbours, and whether both run the edge in the same direction
+        std::vector<std::vector<std::pair<int, bool>>> across(triangles_.size());
         for (const auto& [edge, triangles] : sides_) {
             if (triangles.size() != 2) continue;
             const bool same = (triangles[0] < 0) == (triangles[1] < 0);
@@ -178,12 +180,13 @@ class Surveyor {
         }
     }
 
+    /// Six times the signed volume of the tetrahedron from origin to a triangle.
     double six_volumes(int t, const Eigen::Vector3d& origin) const {
         const double six = (place(corner(t, 0)) - origin).dot((place(corner(t, 1)) - origin).cross(place(corner(t, 2)) - origin));
         return turn_[static_cast<std::size_t>(t)] ? -six : six;
     }
 
-    /// How many there are.
+    /// Notes the connected parts besides the largest, and sets the volume. Result: number of parts.
     std::size_t parts(SurfaceReport& r, bool closed) {
         boost::disjoint_sets_with_storage<> part(triangles_.size());
         for (const auto& [edge, triangles] : sides_)
@@ -215,14 +218,14 @@ class Surveyor {
         return order.size();
     }
 
-    /// Of a closed surface: points with more than one fan of triangles, each of which counts as a point of its own for Euler's number:
-    /// points - edges + triangles = 2 parts - 2 handles.
+    /// For a closed surface: notes points with more than one fan of triangles, and the handles by Euler's number:
+    /// points - edges + triangles = 2 parts - 2 handles. Each fan counts as a point of its own.
     void handles(SurfaceReport& r, std::size_t parts) const {
         boost::disjoint_sets_with_storage<> fan(3 * triangles_.size());
         const auto at = [&](int t, int n) { return static_cast<std::size_t>(3 * t + (corner(t, 0) == n ? 0 : corner(t, 1) == n ? 1 : 2)); };
         for (const auto& [edge, triangles] : sides_)
             for (int n : {edge.first, edge.second}) fan.union_set(at(number_of(triangles[0]), n), at(number_of(triangles[1]), n));
-        std::map<int, int> fans;  // of each point
+        std::map<int, int> fans;  // number of fans at each point
         long count = 0;
         for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
             for (int i = 0; i < 3; ++i)
@@ -234,7 +237,7 @@ class Surveyor {
         if (lacking > 0) r.faults.push_back({Kind::handles, static_cast<std::size_t>((lacking + 1) / 2), {}});
     }
 
-    /// Of two triangles: whether they have more in common than their common corners and side.
+    /// Whether two triangles intersect beyond their common corners and side.
     bool cut(int s, int t) const {
         std::vector<int> common, of_s, of_t;
         for (int i = 0; i < 3; ++i) {
@@ -247,7 +250,8 @@ class Surveyor {
             const MshFile::Point& p = mesh_.points[static_cast<std::size_t>(n)];
             return Kernel::Point_3(p.x, p.y, p.z);
         };
-        if (common.size() == 1) {  // what lies on one side of the other's plane, but for that corner, does not cut it: triangles of a fan
+        // no intersection if one triangle, except for the common corner, is on one side of the other's plane (a fan)
+        if (common.size() == 1) {
             const auto beside = [&](int k, const std::vector<int>& others) {
                 const auto side = [&](int n) { return CGAL::orientation(point(corner(k, 0)), point(corner(k, 1)), point(corner(k, 2)), point(n)); };
                 return side(others[0]) != CGAL::COPLANAR && side(others[0]) == side(others[1]);
@@ -256,13 +260,13 @@ class Surveyor {
         }
         const auto triangle = [&](int k) { return Kernel::Triangle_3(point(corner(k, 0)), point(corner(k, 1)), point(corner(k, 2))); };
         const Kernel::Triangle_3 first = triangle(s), second = triangle(t);
-        if (first.is_degenerate() || second.is_degenerate()) return false;  // told as flat
-        if (common.size() == 2) {  // folded onto each other
+        if (first.is_degenerate() || second.is_degenerate()) return false;  // reported as flat
+        if (common.size() == 2) {  // intersect if folded onto each other
             const auto a = point(common[0]), b = point(common[1]), c = point(of_s[0]), d = point(of_t[0]);
             return CGAL::coplanar(a, b, c, d) && CGAL::coplanar_orientation(a, b, c, d) == CGAL::POSITIVE;
         }
         if (common.empty()) return CGAL::do_intersect(first, second);
-        // one corner in common: else one side opposite to it goes through the other triangle
+        // one common corner: they intersect if a side opposite to it meets the other triangle
         return CGAL::do_intersect(second, Kernel::Segment_3(point(of_s[0]), point(of_s[1]))) || CGAL::do_intersect(first, Kernel::Segment_3(point(of_t[0]), point(of_t[1])));
     }
 
@@ -298,7 +302,7 @@ class Surveyor {
     const MshFile& mesh_;
     std::vector<std::array<int, 3>> triangles_;
     std::vector<char> turn_;
-    std::map<Edge, std::vector<int>> sides_;  // triangles of each, ~ of those that run it from its second end
+    std::map<Edge, std::vector<int>> sides_;  // triangles t of each edge; ~t if t runs it from higher to lower point
 };
 
 }  // namespace
@@ -325,10 +329,10 @@ std::string fault_text(const SurfaceFault& fault, const std::string& unit, doubl
     switch (fault.kind) {
         case Kind::holes: line = fmt::format("{}, {}perimeter {:.3g}{}", said("hole", "holes"), fault.count == 1 ? "" : "longest ", factor * fault.largest, unit); break;
         case Kind::crowded: line = said("edge", "edges") + " shared by more than two triangles"; break;
-        case Kind::one_sided: line = said("edge", "edges") + " where inside and outside cannot be told apart"; break;
+        case Kind::one_sided: line = said("edge", "edges") + " where inside and outside are not distinct"; break;
         case Kind::pinched: line = said("point", "points") + " where the surface touches itself"; break;
-        case Kind::crossings: line = fmt::format("{}{} of triangles that cut each other", fault.count == most_crossings ? "at least " : "", said("pair", "pairs")); break;
-        case Kind::parts: line = fmt::format("{} beside the largest, {}{:.3g}{} across", said("part", "parts"), fault.count == 1 ? "" : "the next ", factor * fault.largest, unit); break;
+        case Kind::crossings: line = fmt::format("{}{} of triangles that intersect", fault.count == most_crossings ? "at least " : "", said("pair", "pairs")); break;
+        case Kind::parts: line = fmt::format("{} besides the largest, {}{:.3g}{} wide", said("part", "parts"), fault.count == 1 ? "" : "the next ", factor * fault.largest, unit); break;
         case Kind::handles: line = said("hole", "holes") + " through the tissue (as of a ring), which are not supported"; break;
         case Kind::flat: line = said("triangle", "triangles") + " without area"; break;
     }

@@ -59,7 +59,7 @@ SpringMesh plane_lattice(const char* topology, bool diagonals, const Lattice& of
     for (int iy = 0; iy < cells_y; ++iy)
         for (int ix = 0; ix < cells_x; ++ix) {
             const int a = node(ix, iy), b = node(ix + 1, iy), c = node(ix + 1, iy + 1), d = node(ix, iy + 1);
-            const bool left = 2 * ix < cells_x;  // mirror-symmetric, as the FE mesh is
+            const bool left = 2 * ix < cells_x;  // diagonals are mirror-symmetric, as in the FE mesh
             mesh.simplices.row(t++) << a, b, left ? d : c;
             mesh.simplices.row(t++) << (left ? b : a), c, d;
             for (int corner : {a, b, c, d}) mesh.node_measure[corner] += cell_area / 4;
@@ -119,9 +119,9 @@ bool is_box(const SpringMesh& mesh) {
 
 SpringMesh make_lattice(const std::string& topology, const Lattice& lattice) {
     const Topology& kind = topologies().at(topology);
-    if (!kind.on_lattice) throw MismatchError(fmt::format("topology '{}' follows no lattice of a block", topology));
+    if (!kind.on_lattice) throw MismatchError(fmt::format("topology '{}' is not possible on the lattice of a block", topology));
     if (lattice.dimension() != kind.dimension)
-        throw MismatchError(fmt::format("topology '{}' is of {} dimensions, the lattice of {}", topology, kind.dimension, lattice.dimension()));
+        throw MismatchError(fmt::format("topology '{}' has {} dimensions, the lattice has {}", topology, kind.dimension, lattice.dimension()));
     return kind.on_lattice(lattice);
 }
 

@@ -7,34 +7,37 @@
 
 namespace tissue {
 
-/// Which nodes springs join. What a maker makes bears the name.
+/// A topology: which nodes springs join. `name` is also SpringMesh::topology of the meshes that it makes.
 struct Topology {
     const char* name;
     int dimension;
 
-    /// The springs of a block's lattice: make_lattice; null in space, where springs follow cubes of their own.
+    /// Makes the spring mesh of a block's lattice (make_lattice). Null in space: springs there follow the cubes of an
+    /// embedded lattice.
     SpringMesh (*on_lattice)(const Lattice& lattice);
 
-    /// Those of any shape, spacing_m long where they are of an embedded lattice; null where springs follow the cells of a lattice.
+    /// Makes the spring mesh of any shape. spacing_m: cube edge of an embedded lattice [m]; not used by "edges". Null
+    /// where springs follow the cells of a block's lattice.
     SpringMesh (*on_shape)(const Shape& shape, double spacing_m);
 
     bool needs_lattice() const { return on_shape == nullptr; }
 };
 
-/// Every topology there is, in one line each:
-///   grid4  the axis springs of a lattice: the paper's
-///   grid8  both diagonals of every cell as well
-///   edges  the edges of any mesh of triangles
-///   embedded in space: a lattice of springs that any solid is embedded in, a block as well (mesh/embedded_lattice.h)
+/// All topologies:
+///   grid4     springs along the axes of a block's lattice, as in the paper
+///   grid8     grid4 and both diagonals of every cell
+///   edges     the edges of any mesh of triangles
+///   embedded  in space: a lattice in which any solid is embedded, a block too (mesh/embedded_lattice.h)
 const Registry<Topology>& topologies();
 
 /// Whether a mesh's springs follow the cells of a block's lattice.
 bool on_lattice(const SpringMesh& mesh);
 
-/// Whether springs follow cells, of a block's lattice or an embedded one. Otherwise they are the edges of triangles.
+/// Whether a mesh's springs follow the cells of a block's lattice or of an embedded one. Otherwise they are edges of
+/// triangles.
 bool has_cells(const SpringMesh& mesh);
 
-/// Whether all of the boundary lies on the planes of the box about it.
+/// Whether every facet of the boundary lies in a plane of the mesh's bounding box.
 bool is_box(const SpringMesh& mesh);
 
 }  // namespace tissue

@@ -16,7 +16,7 @@ TISSUE_HOT void axial(const SpringRun& r, int n, double* __restrict fx_i, double
     }
 }
 
-/// Springs of one direction: the axis is not read from memory, which is what large meshes wait for.
+/// Springs with one common direction: the axis is not read from memory, whose bandwidth limits large meshes.
 TISSUE_HOT void axial_parallel(const SpringRun& r, int n, double nx, double ny, double* __restrict fx_i, double* __restrict fy_i,
                                double* __restrict fx_j, double* __restrict fy_j) {
     for (int k = 0; k < n; ++k) {
@@ -32,7 +32,7 @@ TISSUE_HOT void axial_parallel(const SpringRun& r, int n, double nx, double ny, 
 
 namespace {
 
-/// theta times the elongation along the rest direction: the spring of linear elasticity.
+/// Force theta times the elongation along the rest direction: the spring of linear elasticity.
 struct Axial {
     static constexpr const char* name = "axial";
     static constexpr bool linear = true, axes_apart = false, in_space = false, turns = false;

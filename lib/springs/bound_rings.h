@@ -5,22 +5,26 @@
 
 namespace tissue {
 
-/// A round contact that grows and shrinks while the tool goes along the surface without slip: each ring is bound where the tool is as the contact reaches it, and free again as it falls back. With a stiffness
-/// along the surface in proportion to the radius every ring has as much of it as it is wide, and its force is that of one spring, stretched from the mean of where the rings were bound (Mindlin 1949; Mindlin and
-/// Deresiewicz 1953, no slip). A contact that is stretched by more than its radius lets go of the excess. Rings have a width, so
-/// that one that begins to grow lets go of a part of its outermost ring: it only loses energy by that. Allocates nothing.
+/// A round contact that grows and shrinks without slip while the tool moves along the surface. Each ring is bound at
+/// the tool's position at the time when the contact reaches it, and is released when the contact shrinks below it. The
+/// tangential stiffness is proportional to the radius, so each ring contributes in proportion to its width. The total
+/// force is that of one spring, stretched from the mean of the places where the rings were bound (Mindlin 1949; Mindlin
+/// and Deresiewicz 1953, no slip).
+/// A contact that is stretched by more than its radius slips by the excess. Rings have a finite width, so a contact
+/// that starts to grow again releases part of its outermost ring; this only dissipates energy. Allocates nothing.
 class BoundRings {
    public:
     BoundRings() = default;
-    /// A contact that begins, of a radius, the tool there [m]. largest_m: that it may become.
+    /// A new contact of radius radius_m with the tool at tool_m. largest_m: upper bound of the radius. All in [m].
     BoundRings(double largest_m, double radius_m, const Eigen::Vector3d& tool_m) : width_m_(largest_m / (count - 1)), radius_m_(radius_m), front_m_(tool_m) {
         bound_m_.colwise() = tool_m;
     }
 
-    /// The contact has another radius, the tool is there.
+    /// The contact gets the radius radius_m while the tool is at tool_m [m].
     void follow(double radius_m, const Eigen::Vector3d& tool_m) noexcept {
         if (radius_m > radius_m_) {
-            const double from = radius_m_ * radius_m_, way = radius_m * radius_m - from;  // squares go as the depth of a ball
+            // radii are interpolated by their squares, which are proportional to a ball's depth
+            const double from = radius_m_ * radius_m_, way = radius_m * radius_m - from;
             for (int k = inside() + 1; k < count && k * width_m_ <= radius_m; ++k) bound_m_.col(k) = front_m_ + (k * k * width_m_ * width_m_ - from) / way * (tool_m - front_m_);
             front_m_ = tool_m;
         } else if (radius_m < radius_m_) {
@@ -38,7 +42,7 @@ class BoundRings {
         }
     }
 
-    /// Of the places where its rings were bound.
+    /// Mean of the places where the rings were bound [m].
     Eigen::Vector3d mean_m() const noexcept {
         const int last = inside();
         Eigen::Vector3d sum = (radius_m_ - last * width_m_) / 2 * (bound_m_.col(last) + front_m_);
@@ -51,11 +55,13 @@ class BoundRings {
 
    private:
     static constexpr int count = 64;
-    int inside() const noexcept { return std::min(static_cast<int>(radius_m_ / width_m_), count - 1); }  ///< number of the last ring
+    /// index of the outermost whole ring
+    int inside() const noexcept { return std::min(static_cast<int>(radius_m_ / width_m_), count - 1); }
 
     double width_m_ = 1, radius_m_ = 0;
-    Eigen::Vector3d front_m_ = Eigen::Vector3d::Zero();  ///< where the contact's rim was bound
-    Eigen::Matrix<double, 3, count> bound_m_ = Eigen::Matrix<double, 3, count>::Zero();  ///< where the rings of 0, 1, 2, ... widths were
+    Eigen::Vector3d front_m_ = Eigen::Vector3d::Zero();  ///< where the rim of the contact was bound
+    /// where the rings at 0, 1, 2, ... widths from the centre were bound
+    Eigen::Matrix<double, 3, count> bound_m_ = Eigen::Matrix<double, 3, count>::Zero();
 };
 
 }  // namespace tissue

@@ -27,7 +27,7 @@ TISSUE_HOT void branch(int n, double e, double c, const double* __restrict g, co
     }
 }
 
-/// The same; dissipated += g (s dx - the growth of s^2 / 2).
+/// As branch(), and dissipated += g (s dx - increase of s^2 / 2).
 TISSUE_HOT void branch_booked(int n, double e, double c, const double* __restrict g, const double* __restrict dx, double* __restrict s, double* __restrict y,
                               double* __restrict dissipated) {
     for (int i = 0; i < n; ++i) {
@@ -38,7 +38,7 @@ TISSUE_HOT void branch_booked(int n, double e, double c, const double* __restric
     }
 }
 
-/// Of elements with one share.
+/// As branch(), for elements with the same relative modulus g.
 TISSUE_HOT void branch_alike(int n, double e, double c, double g, const double* __restrict dx, double* __restrict s, double* __restrict y) {
     for (int i = 0; i < n; ++i) {
         s[i] = e * s[i] + c * dx[i];
@@ -46,7 +46,7 @@ TISSUE_HOT void branch_alike(int n, double e, double c, double g, const double* 
     }
 }
 
-/// All of it for three branches, the usual number.
+/// begin() and branch_alike() in one loop for three branches, the usual number.
 TISSUE_HOT void three_alike(int n, double left, const double* e, const double* c, const double* g, const double* __restrict x, double* __restrict before,
                             double* __restrict s0, double* __restrict s1, double* __restrict s2, double* __restrict y) {
     const double e0 = e[0], e1 = e[1], e2 = e[2], c0 = c[0], c1 = c[1], c2 = c[2], g0 = g[0], g1 = g[1], g2 = g[2];
@@ -72,9 +72,9 @@ constexpr int chunk = 256;
 BranchMemory::BranchMemory(const Eigen::VectorXd& tau_s, const Eigen::MatrixXd& share, double dt_s)
     : tau_s_(tau_s), decay_((-dt_s * tau_s.cwiseInverse()).array().exp()), risen_(tau_s.size()), share_(share),
       part_(Eigen::MatrixXd::Zero(share.rows(), share.cols())), left_(1 - share.rowwise().sum().array()), before_(Eigen::VectorXd::Zero(share.rows())) {
-    if (share.cols() != tau_s.size() || !(dt_s > 0)) throw MismatchError(fmt::format("shares of {} branches for {} times", share.cols(), tau_s.size()));
+    if (share.cols() != tau_s.size() || !(dt_s > 0)) throw MismatchError(fmt::format("relative moduli of {} Maxwell branches for {} relaxation times", share.cols(), tau_s.size()));
     if (share.size() > 0 && (!(tau_s.minCoeff() > 0) || !(share.minCoeff() >= 0) || !(left_.minCoeff() > 0)))
-        throw MismatchError("branches need times above 0, and shares not below 0 whose sum is below 1");
+        throw MismatchError("Maxwell branches need relaxation times > 0 and relative moduli >= 0 whose sum is below 1");
     for (Eigen::Index k = 0; k < tau_s.size(); ++k) risen_[k] = -std::expm1(-dt_s / tau_s[k]) * tau_s[k] / dt_s;
     for (Eigen::Index i = 0; i < share.rows() && alike_; ++i) alike_ = share.row(i) == share.row(0);
 }

@@ -17,10 +17,10 @@ Cells plane_cells(const SpringMesh& mesh) {
 CellAreas::CellAreas(const SpringMesh& mesh)
     : Elements(plane_cells(mesh)), rest_(mesh.nodes), area_(cell_areas(mesh, nodes())) {
     for (int e = 0; e < count(); ++e)
-        if (!(area_[e] > 0)) throw MismatchError(fmt::format("cell {} runs clockwise or has no area", e));
+        if (!(area_[e] > 0)) throw MismatchError(fmt::format("cell {} is clockwise or has no area", e));
 }
 
-/// Half the sum of cross products of successive corners, as it changes with u: nothing cancels.
+/// Change of half the sum of cross products of successive corners, written in u: no cancellation.
 double CellAreas::swelling(int e, const NodeField& u) const {
     double twice = 0;
     for (Eigen::Index k = 0, corners = nodes().cols(); k < corners; ++k) {
@@ -59,7 +59,8 @@ void CellAreas::tangent(int e, const NodeField& u, ElementMatrix& out) const {
     area_gradient(e, u, gradient);
     out = gradient * gradient.transpose() / area_[e];
     const double by = swelling(e, u);
-    for (Eigen::Index k = 0; k < corners; ++k)  // the area is bilinear in successive corners
+    // the area is bilinear in the positions of successive corners
+    for (Eigen::Index k = 0; k < corners; ++k)
         for (const Eigen::Index next : {(k + 1) % corners, (k + corners - 1) % corners}) {
             const double half = (next == (k + 1) % corners ? 0.5 : -0.5) * by;
             out(2 * k, 2 * next + 1) += half;

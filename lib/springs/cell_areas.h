@@ -4,14 +4,15 @@
 
 namespace tissue {
 
-/// Cells that keep their true area: A a (area / a - 1)^2 / 2, area of the polygon through the moved corners, a at rest.
-/// Springs alone cannot do it: in a lattice of axial springs whose nodes are centres of symmetry Lame's two constants
-/// are equal (Cauchy's relation), and so Poisson's ratio is 1/3 in the plane, 1/4 in space, whatever the springs;
-/// an energy of the volume alone adds to lambda and gives any other (Golec, Palierne, Zara, Nicolle and Damiand 2020,
-/// The Visual Computer 36: 809-825). Two dimensions.
+/// Area terms of the cells: energy A a (area / a - 1)^2 / 2, with the area of the polygon through the displaced corners
+/// and a its area at rest.
+/// Springs alone cannot conserve area. In a lattice of axial springs whose nodes are centres of symmetry, Lame's two
+/// constants are equal (Cauchy's relation): Poisson's ratio is 1/3 in the plane and 1/4 in space, whatever the
+/// stiffnesses. An energy of the volume alone adds to lambda and gives any other ratio (Golec, Palierne, Zara, Nicolle
+/// and Damiand 2020, The Visual Computer 36: 809-825). Two dimensions.
 class CellAreas final : public Elements {
    public:
-    /// Throws MismatchError for a mesh that is not plane, and a cell that runs clockwise or has no area.
+    /// Throws MismatchError for a mesh that is not plane, and for a cell that is clockwise or has no area.
     explicit CellAreas(const SpringMesh& mesh);
 
     std::string kind() const override { return "cell"; }
@@ -19,14 +20,14 @@ class CellAreas final : public Elements {
     void force(int e, const NodeField& u, ElementVector& out) const override;
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
 
-    /// Area now over area at rest; not positive where the cell has turned inside out.
+    /// Current area over area at rest; not positive where the cell is inverted.
     double area_ratio(int e, const NodeField& u) const;
 
    private:
     double swelling(int e, const NodeField& u) const;  ///< area / a - 1
     void area_gradient(int e, const NodeField& u, ElementVector& out) const;
 
-    NodeField rest_;        ///< nodes [m] (N x 2)
+    NodeField rest_;        ///< rest positions [m] (N x 2)
     Eigen::VectorXd area_;  ///< a [m^2] (C)
 };
 

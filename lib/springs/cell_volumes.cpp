@@ -14,7 +14,7 @@ Cells solid_cells(const SpringMesh& mesh) {
     return mesh.embedding.cubes;
 }
 
-/// det(I + G) - 1, without the 1 that would cancel.
+/// det(I + G) - 1, without cancellation of the 1.
 double growth(const Eigen::Matrix3d& G) {
     const double trace = G.trace();
     return trace + (trace * trace - (G * G).trace()) / 2 + G.determinant();
@@ -31,7 +31,7 @@ Eigen::Matrix3d cofactor(const Eigen::Matrix3d& F) {
 CellVolumes::CellVolumes(const SpringMesh& mesh) : Elements(solid_cells(mesh)), volume_(nodes().rows()) {
     for (int e = 0; e < count(); ++e) {
         const Eigen::Vector3d at = mesh.embedding.centroid.row(e);
-        Eigen::Matrix<double, 3, 8> local;  // gradients by the local coordinates, each from 0 to 1
+        Eigen::Matrix<double, 3, 8> local;  // derivatives by the local coordinates, each of which runs from 0 to 1
         Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();
         for (int k = 0; k < 8; ++k) {
             for (int d = 0; d < 3; ++d) {
@@ -41,7 +41,7 @@ CellVolumes::CellVolumes(const SpringMesh& mesh) : Elements(solid_cells(mesh)), 
             edges += mesh.nodes.row(nodes()(e, k)).transpose() * local.col(k).transpose();
         }
         volume_[e] = mesh.embedding.fraction[e] * edges.determinant();
-        if (!(volume_[e] > 0)) throw MismatchError(fmt::format("cell {} is inside out or has no volume", e));
+        if (!(volume_[e] > 0)) throw MismatchError(fmt::format("cell {} is inverted or has no volume", e));
         gradient_.push_back(edges.inverse().transpose() * local);
     }
 }

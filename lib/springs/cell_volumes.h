@@ -6,12 +6,15 @@
 
 namespace tissue {
 
-/// Cubes of an embedded lattice that keep the true volume V of the tissue in them: A V (J - 1)^2 / 2, J the determinant of the trilinear map's
-/// deformation gradient at that tissue's centroid (one-point quadrature; what it does not see, springs hold). Constants A are moduli [Pa]; per unit of them energies are [m^3].
-/// What springs alone cannot do is in springs/cell_areas.h.
+/// Volume terms of the cubes of an embedded lattice: energy A V (J - 1)^2 / 2. V is the volume of the tissue in the
+/// cube, J the determinant of the deformation gradient of the trilinear map at that tissue's centroid. This one-point
+/// quadrature leaves hourglass modes free, which the springs resist. The constants A are moduli [Pa], so energies per
+/// unit constant are in [m^3].
+/// Why springs alone do not suffice: springs/cell_areas.h.
 class CellVolumes final : public Elements {
    public:
-    /// Throws MismatchError for a mesh that is no embedded lattice, and a cell turned inside out or without volume.
+    /// Throws MismatchError for a mesh that is not an embedded lattice, and for a cell that is inverted or has no
+    /// volume.
     explicit CellVolumes(const SpringMesh& mesh);
 
     std::string kind() const override { return "cell"; }
@@ -19,10 +22,10 @@ class CellVolumes final : public Elements {
     void force(int e, const NodeField& u, ElementVector& out) const override;
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
 
-    /// J; not positive where the cell has turned inside out.
+    /// J; not positive where the cell is inverted.
     double volume_ratio(int e, const NodeField& u) const;
     const Eigen::VectorXd& volumes() const { return volume_; }  ///< V [m^3] (C)
-    /// Gradients of the corners' hat functions where J is taken [1/m].
+    /// Gradients of the trilinear shape functions of the eight corners at the centroid [1/m].
     const Eigen::Matrix<double, 3, 8>& gradient(int e) const { return gradient_[static_cast<std::size_t>(e)]; }
 
    private:

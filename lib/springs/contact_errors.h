@@ -4,17 +4,17 @@
 
 namespace tissue {
 
-/// A place of the surface that cannot be pressed: all nodes of its contact are fixed.
+/// No indentation is possible at this place of the surface: all nodes of the contact are fixed.
 struct FixedContactError : MismatchError {
     using MismatchError::MismatchError;
 };
 
-/// A place of a solid near which its lattice has no tissue.
+/// The lattice has no tissue near this place of the surface.
 struct NoContactError : MismatchError {
     using MismatchError::MismatchError;
 };
 
-/// Two tools whose contacts would overlap.
+/// The contacts of two tools would overlap.
 struct OverlappingToolsError : MismatchError {
     using MismatchError::MismatchError;
 };

@@ -11,53 +11,60 @@
 
 namespace tissue {
 
-struct PatchLaw;
+struct ContactParameters;
 
-/// Factors of a contact's place that its stiffnesses depend on (PatchLaw): four.
+/// The four factors of a contact's place on which its stiffnesses depend (ContactParameters).
 using ContactFactors = Eigen::Vector4d;
 
-/// Where a contact lies: what its rows take of the push d and of the displacements of a few nodes, e = push d - pull u, and
-/// which of the law's stiffnesses each of them has.
+/// Kinematics of one contact in R rows: e = push d - pull u, with the tool displacement d [m] (D) and the displacements
+/// u of K nodes. The stiffness of row r is share_r times that of the row law_row_r of ContactParameters.
 struct ContactRows {
-    std::vector<int> nodes;      ///< (K), none twice
+    std::vector<int> nodes;      ///< (K), all different
     Eigen::MatrixXd push;        ///< (R x D)
-    Eigen::MatrixXd pull;        ///< (R x D*K), columns D * node + axis
-    std::vector<std::vector<int>> touched;  ///< of each three rows in their order, the nodes (of K) whose columns of pull are not zero; empty: every row takes all nodes
-    std::vector<int> law_row;    ///< of PatchLaw, for each row (R)
-    Eigen::VectorXd share;       ///< of that stiffness (R)
-    ContactFactors factors;      ///< of the place: PatchLaw's
-    Eigen::VectorXd mean;        ///< weight of each node in ContactKernel::scale (K): those of the first rows of pull, over their sum
-    double log_scale = 0;        ///< of the law's stiffnesses there: ContactKernel::scale, and of a disc DiscTables::correction
+    Eigen::MatrixXd pull;        ///< (R x D*K), column D * node + axis
+    /// for each group of three rows, the nodes (of K) with non-zero columns of pull; empty: all nodes for every row
+    std::vector<std::vector<int>> touched;
+    std::vector<int> parameter_row;    ///< row of ContactParameters (R)
+    Eigen::VectorXd share;       ///< part of that stiffness (R)
+    ContactFactors factors;      ///< factors of the place for ContactParameters
+    Eigen::VectorXd mean;        ///< weights of the nodes for ContactKernel::scale (K), sum 1
+    /// log of the factor on all stiffnesses: ContactKernel::scale, and for a disc also DiscTables::correction
+    double log_scale = 0;
 };
 
 /// Makes contacts of one kind on the surface of one mesh: the patch in the plane (springs/contact_patch.h), the disc in
-/// space (springs/disc_contact.h). Const, and serves many threads.
+/// space (springs/disc_contact.h). Its const methods may be called by many threads at once.
 class ContactKernel {
    public:
     virtual ~ContactKernel() = default;
     virtual std::unique_ptr<ContactKernel> clone() const = 0;
 
     virtual ContactRows rows_at(const Point& contact_m) const = 0;
-    /// The same contact as the tick holds it, at weights of the nodes of a boundary facet (SpringMesh::facets). On a held facet,
-    /// which is no part of the free surface, a wall as stiff as the contact nearby. Allocates nothing.
-    /// radius_m: of a disc, of whose radius the law has to be; 0: the kernel's own.
-    virtual void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const PatchLaw& law, ToolSpring& tool) const noexcept = 0;
-    /// In space, the surface there: unit normal into the tissue, and mean curvature [1/m], positive where it bulges.
+    /// The same contact in the form of the tick (ToolSpring), at weights of the nodes of a boundary facet
+    /// (SpringMesh::facets). On a fixed facet, which is not part of the free surface, it is a fixed wall with the
+    /// stiffness of the nearest contact. Allocates nothing.
+    /// radius_m: radius of a disc [m], to which `law` must belong; 0: the kernel's own.
+    virtual void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& law, ToolSpring& tool) const noexcept = 0;
+    /// In space, the surface at a place: unit normal into the tissue, and mean curvature [1/m], positive where the
+    /// surface bulges.
     struct SurfaceAt {
         Eigen::Vector3d inward = Eigen::Vector3d::Zero();
         double curvature_1_m = 0;
     };
     virtual SurfaceAt surface_at(int /*facet*/, const Eigen::Vector3d& /*weight*/) const noexcept { return {}; }
-    /// Nodes whose displacement follows the tool's (springs/skin.h); none in the plane.
+    /// Nodes whose displayed displacement follows the tool (springs/skin.h); none in the plane.
     virtual std::vector<SkinNode> skin_at(const Point& /*contact_m*/) const { return {}; }
-    /// The same at weights of the nodes of a boundary facet, put into displacements of all nodes [m] (N x D). Allocates nothing.
-    virtual void show_skin(int /*facet*/, const Eigen::Vector3d& /*weight*/, double /*radius_m*/, const SkinLaw& /*skin*/, const Point& /*push_m*/, NodeColumns& /*u*/) const noexcept {}
-    /// Node pairs that contacts anywhere couple, where they are few; else none, and each contact brings its own.
+    /// Writes the displayed displacement of these nodes into u [m] (N x D), at weights of the nodes of a boundary
+    /// facet. Allocates nothing.
+    virtual void show_skin(int /*facet*/, const Eigen::Vector3d& /*weight*/, double /*radius_m*/, const SkinParameters& /*skin*/, const Point& /*push_m*/, NodeColumns& /*u*/) const noexcept {}
+    /// Node pairs that any contact can couple, where they are few. Empty otherwise: then each contact has its own
+    /// pairs.
     virtual std::vector<std::pair<int, int>> coupled() const { return {}; }
-    virtual double spacing_m() const = 0;  ///< of the surface's nodes
+    virtual double spacing_m() const = 0;  ///< mean spacing of the surface's nodes [m]
 
-    /// Contacts become exp(.) as stiff, by node (N) and with a contact's own mean between them: where the tissue itself is stiffer or softer
-    /// than what the law knows of the place (adapt/unknowns.h). Of no rows: as the law says. Of as many rows as before: no allocation.
+    /// Sets log stiffness factors by node (N). A contact's stiffness is multiplied by exp of their mean, weighted by
+    /// ContactRows::mean. Adaptation sets them where it finds the tissue stiffer or softer than the energy model
+    /// (adapt/unknowns.h). Empty: no factors. Allocates nothing if the size does not change.
     void scale(const Eigen::VectorXd& log_scale) { log_scale_ = log_scale; }
 
    protected:

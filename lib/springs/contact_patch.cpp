@@ -8,7 +8,8 @@
 namespace tissue {
 namespace {
 
-/// The uniform cubic B-spline's four weights at a fraction of the way between its two middle nodes (de Boor).
+/// The four weights of the uniform cubic B-spline at a fraction f of the interval between its two middle nodes (de
+/// Boor).
 void spline_weights(double f, double (&w)[4]) noexcept {
     const double g = 1 - f;
     w[0] = g * g * g / 6;
@@ -71,7 +72,8 @@ ContactPatch ContactSurface::at(double arc_m) const noexcept {
     const auto above = std::upper_bound(knot_.begin() + 1, knot_.end() - 1, s);
     const int segment = static_cast<int>(above - knot_.begin()) - 1;
 
-    // sum w_i s_i rises with the fraction: Newton between brackets; at once where nodes are evenly spaced
+    // sum w_i s_i increases with the fraction: Newton's method within brackets. One step suffices for evenly spaced
+    // nodes.
     const double first = knot_[static_cast<std::size_t>(segment)], last = knot_[static_cast<std::size_t>(segment) + 1];
     double low = 0, high = 1, f = (s - first) / (last - first);
     const double* arcs = &arc_[static_cast<std::size_t>(segment)];
@@ -97,7 +99,8 @@ ContactPatch ContactSurface::at(double arc_m) const noexcept {
         along += patch.slope[i] * rest_m_[n];
         spacing += patch.slope[i] * arc_[n];
     }
-    constexpr double right_angle = 0.29289321881345254;  // 1 - cos 45: the spline halves the turn at a corner's node
+    // 1 - cos 45: at the node of a right angle the derivative's length is cos 45 of the spacing
+    constexpr double right_angle = 0.29289321881345254;
     patch.corner = std::max(0.0, 1 - along.norm() / spacing) / right_angle;
     patch.log_scale = 0;
     for (int i = 0; i < ContactPatch::size; ++i) patch.log_scale += patch.weight[i] * log_scale_of(patch.node[i]);
@@ -107,7 +110,7 @@ ContactPatch ContactSurface::at(double arc_m) const noexcept {
     return patch;
 }
 
-void ContactSurface::tool_at(int facet, const Eigen::Vector3d& weight, double /*radius_m*/, const PatchLaw& law, ToolSpring& tool) const noexcept {
+void ContactSurface::tool_at(int facet, const Eigen::Vector3d& weight, double /*radius_m*/, const ContactParameters& law, ToolSpring& tool) const noexcept {
     const Segment& segment = segment_[static_cast<std::size_t>(facet)];
     ContactPatch patch = at(segment.first + weight[1] * (segment.last - segment.first));
     PatchStiffness k = law.at(patch);
@@ -132,17 +135,17 @@ void PatchSpring::lay_out(ToolSpring& tool) const noexcept {
     for (int i = 0; i < ContactPatch::size; ++i) tool.add_node(patch.node[i], patch.slope[i]);
 }
 
-Eigen::Vector4d PatchLaw::factors_at(const ContactPatch& patch) noexcept {
+Eigen::Vector4d ContactParameters::factors_at(const ContactPatch& patch) noexcept {
     constexpr double turn = 2 * 3.14159265358979323846;
     return {1, std::cos(turn * patch.place), patch.corner, patch.edge};
 }
 
-PatchStiffness PatchLaw::at(const ContactPatch& patch) const noexcept {
+PatchStiffness ContactParameters::at(const ContactPatch& patch) const noexcept {
     const Eigen::Vector4d log_k = (log_N_m.topRows<4>() * factors_at(patch)).array() + patch.log_scale;
     return {std::exp(log_k[0]), std::exp(log_k[1]), std::exp(log_k[2]), std::exp(log_k[3])};
 }
 
-Eigen::VectorXd PatchLaw::values_at(const ContactFactors& at, double log_scale) const {
+Eigen::VectorXd ContactParameters::values_at(const ContactFactors& at, double log_scale) const {
     Eigen::VectorXd value = (log_N_m * at).array().exp();
     for (Eigen::Index m = 0; m < value.size(); ++m) value[m] *= scaled(m, std::exp(log_scale));
     return value;
@@ -162,10 +165,10 @@ PatchSpring::Load PatchSpring::load(const Eigen::Vector2d& push_m,
         turn += patch.slope[i] * u[i];
     }
     Load load;
-    load.hand_N = gap_N_m * gap;
+    load.tool_force_N = gap_N_m * gap;
     const Eigen::Vector2d held = turn_N_m * turn;
-    load.energy_J = (load.hand_N.dot(gap) + held.dot(turn)) / 2;
-    for (int i = 0; i < ContactPatch::size; ++i) load.node_N[i] = patch.slope[i] * held - patch.weight[i] * load.hand_N;
+    load.energy_J = (load.tool_force_N.dot(gap) + held.dot(turn)) / 2;
+    for (int i = 0; i < ContactPatch::size; ++i) load.node_N[i] = patch.slope[i] * held - patch.weight[i] * load.tool_force_N;
     return load;
 }
 

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "springs/contact_coupling.h"
+
 namespace tissue {
 namespace {
 
-constexpr Eigen::Index mean_rows = 3;  // of a disc: the first ones, normal and two tangents
+constexpr Eigen::Index mean_rows = 3;  // the first rows of a disc: normal and two tangents
 
-/// The plane's patch as rows. A node may stand twice at the surface's ends: there its weights add up.
+/// The plane's patch as rows. At the surface's ends a node may occur twice; its weights are added.
 ContactRows rows_of(const ContactPatch& patch) {
     ContactRows rows;
     rows.push.setZero(4, 2);
@@ -29,9 +31,9 @@ ContactRows rows_of(const ContactPatch& patch) {
         rows.mean[std::find(rows.nodes.begin(), rows.nodes.end(), patch.node[i]) - rows.nodes.begin()] += patch.weight[i];
     rows.log_scale = patch.log_scale;
     rows.pull.conservativeResize(4, static_cast<Eigen::Index>(2 * rows.nodes.size()));
-    rows.law_row = {0, 1, 2, 3};
+    rows.parameter_row = {0, 1, 2, 3};
     rows.share = Eigen::VectorXd::Ones(4);
-    rows.factors = PatchLaw::factors_at(patch);
+    rows.factors = ContactParameters::factors_at(patch);
     return rows;
 }
 
@@ -47,18 +49,18 @@ std::vector<std::pair<int, int>> ContactSurface::coupled() const {
     return pairs;
 }
 
-ContactSpring::ContactSpring(ContactRows where, const PatchLaw& law) : rows(std::move(where)), k_N_m(rows.share.size()) {
-    law_value = law.values_at(rows.factors, rows.log_scale);
-    for (Eigen::Index r = 0; r < k_N_m.size(); ++r) k_N_m[r] = rows.share[r] * law_value[rows.law_row[static_cast<std::size_t>(r)]];
+ContactSpring::ContactSpring(ContactRows where, const ContactParameters& law) : rows(std::move(where)), k_N_m(rows.share.size()) {
+    parameter_value = law.values_at(rows.factors, rows.log_scale);
+    for (Eigen::Index r = 0; r < k_N_m.size(); ++r) k_N_m[r] = rows.share[r] * parameter_value[rows.parameter_row[static_cast<std::size_t>(r)]];
     if (!law.hardens()) return;
-    hardening_1_J = law_value[PatchLaw::hardening_row];
-    saturation_1_J = law_value[PatchLaw::saturation_row];
-    softens = law.softens;
-    if (softens) {
+    hardening_1_J = parameter_value[ContactParameters::hardening_row];
+    saturation_1_J = parameter_value[ContactParameters::saturation_row];
+    curve = law.curve;
+    if (curve == ContactCurve::softens) {
         saturation_1_J = hardening_1_J;
         hardening_1_J = -saturation_1_J;
     }
-    coupling_N_m2 = law_value[PatchLaw::coupling_row];
+    coupling_N_m2 = parameter_value[ContactParameters::coupling_row];
 }
 
 ContactSpring::ContactSpring(const PatchSpring& patch) : rows(rows_of(patch.patch)), k_N_m(4) {
@@ -73,13 +75,16 @@ Eigen::VectorXd ContactSpring::gather(const NodeField& u) const {
 }
 
 struct ContactSpring::State {
-    Eigen::VectorXd e, q, mean;  // q = k e; mean: of the mean rows, else 0
-    double s, room, rise, bend;  // s: of the mean rows; rise, bend: derivatives by it of what hardening adds
+    Eigen::VectorXd e, q, mean;  // q = k e; mean: q in the rows that harden, else 0
+    Eigen::Index hard;           // number of rows that harden, the first ones
+    // s: energy of those rows; rise, bend: first and second derivative by s of the hardening energy
+    double s, room, rise, bend;
+    ContactCoupling coupling;
 
     State(const ContactSpring& c, const Point& push_m, const Eigen::VectorXd& u)
-        : e(c.rows.push * push_m - c.rows.pull * u), q(c.k_N_m.cwiseProduct(e)), mean(Eigen::VectorXd::Zero(e.size())) {
-        const Eigen::Index rows = std::min(mean_rows, e.size());
-        mean.head(rows) = q.head(rows);
+        : e(c.rows.push * push_m - c.rows.pull * u), q(c.k_N_m.cwiseProduct(e)), mean(Eigen::VectorXd::Zero(e.size())), coupling(e[0], c.coupling_bound()) {
+        hard = c.curve != ContactCurve::compression ? std::min(mean_rows, e.size()) : e[0] > 0 ? 1 : 0;
+        mean.head(hard) = q.head(hard);
         s = mean.dot(e) / 2;
         room = 1 + c.saturation_1_J * s;
         rise = c.hardening_1_J * (s + c.saturation_1_J * s * s / 2) / (room * room);
@@ -87,10 +92,10 @@ struct ContactSpring::State {
     }
 
     double across() const { return e.size() < 3 ? 0 : (e[1] * e[1] + e[2] * e[2]) / 2; }
-    /// Of e_0 (e_1^2 + e_2^2) / 2.
+    /// Gradient of e_0 (e_1^2 + e_2^2) / 2 by e.
     Eigen::VectorXd coupling_slope() const {
         Eigen::VectorXd slope = Eigen::VectorXd::Zero(e.size());
-        slope.head<3>() << across(), e[0] * e[1], e[0] * e[2];
+        slope.head<3>() << coupling.slope * across(), coupling.s * e[1], coupling.s * e[2];
         return slope;
     }
 };
@@ -101,21 +106,22 @@ ContactSpring::Load ContactSpring::load(const Point& push_m, const Eigen::Vector
     double energy = at.q.dot(at.e) / 2 + hardening_1_J * at.s * at.s / (2 * at.room);
     if (coupling_N_m2 != 0) {
         slope += coupling_N_m2 * at.coupling_slope();
-        energy += coupling_N_m2 * at.e[0] * at.across();
+        energy += coupling_N_m2 * at.coupling.s * at.across();
     }
     return {energy, rows.push.transpose() * slope, -(rows.pull.transpose() * slope)};
 }
 
-/// Second derivative of the energy by e, times the rows that u moves.
+/// Second derivative of the energy by e, times pull.
 Eigen::MatrixXd ContactSpring::curvature_pull(const Point& push_m, const Eigen::VectorXd& u) const {
     const State at(*this, push_m, u);
     Eigen::MatrixXd product = k_N_m.asDiagonal() * rows.pull;
-    const Eigen::Index mean = std::min(mean_rows, at.e.size());
+    const Eigen::Index mean = at.hard;
     product.topRows(mean) += at.rise * (k_N_m.head(mean).asDiagonal() * rows.pull.topRows(mean)) +
                              at.bend * at.mean.head(mean) * (at.mean.head(mean).transpose() * rows.pull.topRows(mean));
     if (coupling_N_m2 != 0) {
         Eigen::Matrix3d c;
-        c << 0, at.e[1], at.e[2], at.e[1], at.e[0], 0, at.e[2], 0, at.e[0];
+        const ContactCoupling& k = at.coupling;
+        c << k.curvature * at.across(), k.slope * at.e[1], k.slope * at.e[2], k.slope * at.e[1], k.s, 0, k.slope * at.e[2], 0, k.s;
         product.topRows<3>() += coupling_N_m2 * c * rows.pull.topRows<3>();
     }
     return product;
@@ -132,35 +138,45 @@ Eigen::MatrixXd ContactSpring::tangent(const Point& push_m, const Eigen::VectorX
     return sum;
 }
 
-Eigen::MatrixXd ContactSpring::hand_by_nodes(const Point& push_m, const Eigen::VectorXd& u) const {
+Eigen::MatrixXd ContactSpring::tool_force_by_nodes(const Point& push_m, const Eigen::VectorXd& u) const {
     return -(rows.push.transpose() * curvature_pull(push_m, u));
 }
 
-ContactSpring::Load ContactSpring::by_law_row(int m, const Point& push_m, const Eigen::VectorXd& u) const {
+ContactSpring::Load ContactSpring::by_parameter_row(int m, const Point& push_m, const Eigen::VectorXd& u) const {
     const State at(*this, push_m, u);
     const double s = at.s, sat = saturation_1_J;
-    Eigen::VectorXd slope;  // derivative of the energy's slope by e
+    Eigen::VectorXd slope;  // derivative of dE/de by parameter_value[m]
     double energy = 0;
-    if (m == PatchLaw::hardening_row || m == PatchLaw::saturation_row) {
+    // what the bound of the coupling changes, where it is changed by so much times coupling_N_m2
+    const auto add_by_bound = [&](double bound_by) {
+        energy += bound_by * at.coupling.s_by_bound * at.across();
+        slope[0] += bound_by * at.coupling.slope_by_bound * at.across();
+        slope.segment<2>(1) += bound_by * at.coupling.s_by_bound * at.e.segment<2>(1);
+    };
+    if (m == ContactParameters::hardening_row || m == ContactParameters::saturation_row) {
         const double harder = s * s / (2 * at.room), saturated = -hardening_1_J * s * s * s / (2 * at.room * at.room);
         const double harder_rise = (s + sat * s * s / 2) / (at.room * at.room);
         const double saturated_rise = -hardening_1_J * (1.5 * s * s + sat * s * s * s / 2) / (at.room * at.room * at.room);
-        const double by_hardening = m == PatchLaw::saturation_row ? 0 : softens ? -1 : 1;  // of what the law's row changes
-        const double by_saturation = softens == (m == PatchLaw::hardening_row) ? 1 : 0;
+        const bool softens = curve == ContactCurve::softens;
+        // derivatives of hardening and saturation by the value of row m
+        const double by_hardening = m == ContactParameters::saturation_row ? 0 : softens ? -1 : 1;
+        const double by_saturation = softens == (m == ContactParameters::hardening_row) ? 1 : 0;
         energy = by_hardening * harder + by_saturation * saturated;
         slope = (by_hardening * harder_rise + by_saturation * saturated_rise) * at.mean;
-    } else if (m == PatchLaw::coupling_row) {
-        energy = at.e[0] * at.across();
+    } else if (m == ContactParameters::coupling_row) {
+        energy = at.coupling.s * at.across();
         slope = at.coupling_slope();
+        if (curve == ContactCurve::compression) add_by_bound(2 * coupling_N_m2 / k_N_m[1]);
     } else {
         Eigen::VectorXd own = Eigen::VectorXd::Zero(at.e.size());
         for (Eigen::Index r = 0; r < own.size(); ++r)
-            if (rows.law_row[static_cast<std::size_t>(r)] == m) own[r] = rows.share[r] * at.e[r];
-        const Eigen::Index mean = std::min(mean_rows, own.size());
+            if (rows.parameter_row[static_cast<std::size_t>(r)] == m) own[r] = rows.share[r] * at.e[r];
+        const Eigen::Index mean = at.hard;
         const double s_by = own.head(mean).dot(at.e.head(mean)) / 2;
         energy = own.dot(at.e) / 2 + at.rise * s_by;
         slope = own + at.bend * s_by * at.mean;
         slope.head(mean) += at.rise * own.head(mean);
+        if (curve == ContactCurve::compression && m == rows.parameter_row[1]) add_by_bound(-2 * coupling_N_m2 * coupling_N_m2 * rows.share[1] / (k_N_m[1] * k_N_m[1]));
     }
     return {energy, rows.push.transpose() * slope, -(rows.pull.transpose() * slope)};
 }

@@ -14,10 +14,12 @@ namespace tissue {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double imprint = 2.5;             // its reach, and the skin's, in radii
-constexpr double curved_reach = 2.2;  // of the nodes that say how curved the surface is, in spacings
+constexpr double imprint = 2.5;             // reach of the imprint and of the skin, in radii
+// radius around the place within which the quadric is fitted to nodes, in spacings
+constexpr double curved_reach = 2.2;
 
-/// Two unit vectors across a unit vector: the first as near to the first axis as can be.
+/// Two unit vectors normal to a unit vector. The first is as close to the x axis as possible, or to another axis if the
+/// normal is near x.
 Eigen::Matrix<double, 3, 2> tangents_of(const Eigen::Vector3d& normal) {
     Eigen::Index least = 0;
     normal.cwiseAbs().minCoeff(&least);
@@ -28,9 +30,10 @@ Eigen::Matrix<double, 3, 2> tangents_of(const Eigen::Vector3d& normal) {
     return t;
 }
 
-/// Displacement per d of a half space's surface at a place from the contact: phi(r / R), outside the disc larger ahead of a tangential d and behind it than beside it.
+/// Displacement of a half space's surface per d, at from_m off the contact's centre. It is phi(r / R), and for a
+/// tangential d outside the disc it is larger ahead and behind than at the sides.
 Eigen::Matrix3d target_at(const Eigen::Vector3d& from_m, double away_m, double radius_m, const Eigen::Vector3d& normal) noexcept {
-    // how far the tissue goes along the surface where it is pushed that way: the same all round on average
+    // Tangential displacement by direction; its mean over all directions is 1.
     Eigen::Matrix3d target = Eigen::Matrix3d::Identity();
     if (away_m > radius_m) {
         const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - normal * normal.transpose();
@@ -42,14 +45,15 @@ Eigen::Matrix3d target_at(const Eigen::Vector3d& from_m, double away_m, double r
     return disc_profile(away_m / radius_m) * target;
 }
 
-/// The same of what is bound within the radius.
+/// The same for a contact that is bound within the radius (a ball's).
 Eigen::Matrix3d bound_target_at(const Eigen::Vector3d& from_m, double away_m, double radius_m, const Eigen::Vector3d& normal) noexcept {
     const double x = away_m / radius_m, tapered = disc_profile(x);
     const Eigen::Matrix3d nn = normal * normal.transpose();
     return tapered * nn + bound_profile(x) / tapered * (target_at(from_m, away_m, radius_m, normal) - tapered * nn);
 }
 
-// A bound contact's mean along the surface has weights of sum 1. Its gap is written as 5/4 (d - mean u), with the weights of sum 5/4 that both directions share.
+// The tangential mean row of a bound contact has weights of sum 1. Its gap is written as 5/4 (d - mean u) with the
+// weights of sum 5/4, so that both directions share one set of weights.
 constexpr double bound_push = PolarPoints::total, bound_stiffness = 15.0 / 8 / (bound_push * bound_push);
 
 }  // namespace
@@ -70,7 +74,7 @@ double DiscContact::near_m(double radius_m) const noexcept { return std::max({cu
 SurfaceQuadric DiscContact::quadric_at(const FreeSurface::Place& place, double radius_m) const noexcept {
     const Eigen::Vector3d contact_m = place.point_m, inward = place.inward;
     using Terms = Eigen::Matrix<double, 6, 1>;
-    constexpr int enough = 8;  // six numbers of the surface, and two to even out
+    constexpr int enough = 8;  // six coefficients of the quadric, and two more nodes to average
     const Eigen::Matrix<double, 3, 2> tangents = polar_->tangents(inward);
     const double near = near_m(radius_m);
     const std::vector<int>& nodes = near_[static_cast<std::size_t>(place.facet)];
@@ -81,7 +85,8 @@ SurfaceQuadric DiscContact::quadric_at(const FreeSurface::Place& place, double r
         moments.setZero();
         below.setZero();
         found = 0;
-        for (int node : reach_m <= near ? nodes : surface_.nodes()) {  // those near the place, or where the fit needs farther ones all of the surface
+        // nodes near the place; all surface nodes if the fit has to reach farther
+        for (int node : reach_m <= near ? nodes : surface_.nodes()) {
             const Eigen::Vector3d from = rest_.row(node).transpose() - contact_m;
             const double weight = 1 - from.squaredNorm() / (reach_m * reach_m);
             if (!(weight > 0) || !surface_.faces(node, place.inward)) continue;
@@ -92,7 +97,7 @@ SurfaceQuadric DiscContact::quadric_at(const FreeSurface::Place& place, double r
             below += weight * weight * from.dot(inward) / radius_m * terms;
         }
     }
-    // nodes on one line leave a bend open: none, then
+    // Nodes on one line leave a curvature undetermined: this makes it 0.
     moments.diagonal().array() += 1e-10 * moments.trace();
     const Terms fitted = moments.ldlt().solve(below);
     SurfaceQuadric quadric{contact_m, inward, tangents, fitted.segment<2>(1), {}};
@@ -175,7 +180,7 @@ std::vector<SkinNode> DiscContact::skin_at(const Point& contact_m) const {
     return nodes;
 }
 
-void DiscContact::show_skin(int facet, const Eigen::Vector3d& weight, double radius_m, const SkinLaw& skin, const Point& push_m, NodeColumns& u) const noexcept {
+void DiscContact::show_skin(int facet, const Eigen::Vector3d& weight, double radius_m, const SkinParameters& skin, const Point& push_m, NodeColumns& u) const noexcept {
     const Eigen::Index free = surface_.free_of()[static_cast<std::size_t>(facet)];
     if (free < 0) return;
     each_skin_node(surface_.place(free, weight), radius_m > 0 ? radius_m : radius_m_, [&](const SkinNode& at) {
@@ -215,10 +220,11 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     rows.mean.setZero(K);
     rows.push.topRows<3>() = axes.transpose();
     if (is_bound()) rows.push.middleRows<2>(1) *= bound_push, rows.share.segment<2>(1).setConstant(bound_stiffness);
-    rows.law_row = {0, 1, 1};
+    rows.parameter_row = {0, 1, 1};
     rows.touched.resize(static_cast<std::size_t>(1 + footing.points));
     for (int i = 0; i < footing.means; ++i) rows.touched[0].push_back(i);
-    for (int i = 0; i < footing.means; ++i) {  // the mean's nodes are the first
+    // the mean's nodes are the first ones
+    for (int i = 0; i < footing.means; ++i) {
         rows.mean[i] = footing.weight[i] / PolarPoints::total;
         rows.pull.block<3, 3>(0, 3 * i) = footing.weight[i] * axes.transpose();
     }
@@ -232,22 +238,22 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
             rows.touched[static_cast<std::size_t>(1 + p)].push_back(static_cast<int>(node));
         }
         rows.share.segment<3>(row).setConstant(point.share);
-        rows.law_row.insert(rows.law_row.end(), {2, 3, 3});
+        rows.parameter_row.insert(rows.parameter_row.end(), {2, 3, 3});
     }
     return rows;
 }
 
-void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const PatchLaw& law, ToolSpring& tool) const noexcept {
+void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& law, ToolSpring& tool) const noexcept {
     const bool is_free = surface_.free_of()[static_cast<std::size_t>(facet)] >= 0;
     Footing footing;
     const Disc disc = disc_at(place_of(facet, weight), radius_m > 0 ? radius_m : radius_m_, footing);
-    double k[PatchLaw::disc_rows] = {};
-    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(PatchLaw::disc_rows, law.log_N_m.rows()); ++m) k[m] = std::exp(law.log_N_m.row(m).transpose().dot(disc.factors)) * PatchLaw::scaled(m, std::exp(disc.log_scale));
+    double k[ContactParameters::disc_rows] = {};
+    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(ContactParameters::disc_rows, law.log_N_m.rows()); ++m) k[m] = std::exp(law.log_N_m.row(m).transpose().dot(disc.factors)) * ContactParameters::scaled(m, std::exp(disc.log_scale));
     const Eigen::Matrix3d nn = disc.normal * disc.normal.transpose(), along = Eigen::Matrix3d::Identity() - nn;
     if (is_bound()) k[1] *= bound_stiffness;
     Eigen::Matrix3d stiffness = k[0] * nn + k[1] * along;
     if (!is_free || footing.means == 0) {
-        // the tool meets nothing that gives way: as stiff as where all nodes stand still
+        // The tool meets a fixed wall: its stiffness is that of the contact at fixed nodes.
         for (const Footing::Point* at = footing.point; at != footing.point + footing.points; ++at) stiffness += at->share * at->target.transpose() * (k[2] * nn + k[3] * along) * at->target;
         const double size_N_m = disc.normal.dot(stiffness * disc.normal);
         stiffness = size_N_m * Eigen::Matrix3d::Identity();
@@ -265,8 +271,10 @@ void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, double radiu
         for (int i = at->begin; i < at->end; ++i) tool.add_node(footing.node[i], footing.weight[i]);
     }
     if (!law.hardens()) return;
-    const double hardening = k[PatchLaw::hardening_row];
-    tool.harden(law.softens ? -hardening : hardening, law.softens ? hardening : k[PatchLaw::saturation_row], k[PatchLaw::coupling_row]);
+    const double hardening = k[ContactParameters::hardening_row];
+    const bool softens = law.curve == ContactCurve::softens;
+    tool.harden(softens ? -hardening : hardening, softens ? hardening : k[ContactParameters::saturation_row], k[ContactParameters::coupling_row], law.curve == ContactCurve::compression,
+                law.curve == ContactCurve::compression ? 2 * k[ContactParameters::coupling_row] / k[1] : 0);
 }
 
 }  // namespace tissue

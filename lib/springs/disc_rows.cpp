@@ -9,10 +9,12 @@
 namespace tissue {
 namespace {
 
-/// Where the mean begins to grow with the disc (PolarPoints::mean_m), and up to where rows were derived: radii in edges of a cube.
+/// knot: where the mean begins to grow with the disc (PolarPoints::mean_m). last: largest radius of the fit. Both in
+/// cube edges.
 constexpr double knot = PolarPoints::mean_edges / PolarPoints::mean_radii, last = 2.5;
 
-/// A row's compliance in 1 / (E R) by x = R / h: a0 + a1 x + a2 x^2 + a3 x^3 up to the knot, from there as much times b0 + b1 y + b2 y^2 + (1 - b0 - b1 - b2) y^3, y = knot / x.
+/// Compliance of a row in 1 / (E R) over x = R / h: a0 + a1 x + a2 x^2 + a3 x^3 up to the knot. Beyond it, that at the
+/// knot times b0 + b1 y + b2 y^2 + (1 - b0 - b1 - b2) y^3, y = knot / x.
 struct Compliance {
     double a0, a1, a2, a3, b0, b1, b2;
 
@@ -22,7 +24,7 @@ struct Compliance {
         const double y = knot / std::min(x, last);
         return near(knot) * (b0 + y * (b1 + y * (b2 + y * (1 - b0 - b1 - b2))));
     }
-    /// In E R.
+    /// Log of the stiffness in E R.
     double log_stiffness(double x) const noexcept { return -std::log(at(x)); }
 };
 
@@ -33,11 +35,11 @@ constexpr Compliance imprint_tangent{0.9934, -1.1892, 0.5805, -0.1049, -0.0070, 
 
 }  // namespace
 
-PatchLaw::Start start_of_disc(double modulus_Pa, double radius_m, double spacing_m) noexcept {
-    if (!(radius_m > 0 && spacing_m > 0)) return PatchLaw::Start::Constant(std::numeric_limits<double>::quiet_NaN());
+ContactParameters::Start start_of_disc(double modulus_Pa, double radius_m, double spacing_m) noexcept {
+    if (!(radius_m > 0 && spacing_m > 0)) return ContactParameters::Start::Constant(std::numeric_limits<double>::quiet_NaN());
     const double x = radius_m / spacing_m, in_ER = std::log(modulus_Pa * radius_m), in_ER3 = -in_ER - 2 * std::log(radius_m);
     const double mean = normal.log_stiffness(x), along = tangent.log_stiffness(x);
-    PatchLaw::Start logs;
+    ContactParameters::Start logs;
     logs << mean + in_ER, along + in_ER, imprint_normal.log_stiffness(x) + in_ER, imprint_tangent.log_stiffness(x) + in_ER, std::log(0.36) + mean + in_ER3, std::log(0.045) + mean + in_ER3,
         std::log(1.14 * modulus_Pa) + mean + 2 * along;
     return logs;

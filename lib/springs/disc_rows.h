@@ -4,16 +4,26 @@
 
 namespace tissue {
 
-/// A disc's rows before anything is learned (PatchLaw::disc_rows: normal, tangent, imprint_normal, imprint_tangent [N/m], hardening, saturation [1/J], coupling [N/m^2]), as logarithms; radius and
-/// edge h of the lattice's cubes above 0 (NaN else).
-/// The first four are derived: in series with a half space of isotropic springs and cells (springs/energy_law.h, cells at 0.95 of a cap of 12 E) they give what linear elasticity does for incompressible
-/// tissue. That is 64/45 E R straight in, the force conjugate to d under Hertz's pressure, and 2/3 of it along the surface, of a traction that falls off likewise. The mean rows bear 0.55 of the force
-/// straight in and 0.36 along, the imprint the rest. So rows depend on R / h: the smaller a disc is, the less the lattice gives way under it, down to none, and the more the rows do. Fitted within 0.6 %
-/// to the compliances of springs/polar_points.h at R / h of 0.25, 0.5, 0.75, 1, 1.0667, 1.25, 1.5, 2 and 2.5, means over 8 places of a cube (four along the surface, which is a plane of the lattice
-/// or half way between two), on blocks 14 and 20 edges wide and half as deep, less what their floor and sides are worth, which goes with 1 / size; at R / h = 0 they are exact. Beyond 2.5 the first
-/// four grow with the radius.
-/// The last three were chosen on validation contacts of block3-quick (R / h = 0.7: 0.59 / (E R^3), 0.073 / (E R^3) and 0.78 E) and go by what the mean rows give way, so that at any R / h the same force
-/// in E R^2 hardens as much, and the same force along the surface presses back as much.
-PatchLaw::Start start_of_disc(double modulus_Pa, double radius_m, double spacing_m) noexcept;
+/// Logarithms of a disc's contact parameters before training, in the order of ContactParameters::disc_rows: normal, tangent,
+/// imprint_normal, imprint_tangent [N/m], hardening, saturation [1/J], coupling [N/m^2]. radius_m: disc radius R > 0;
+/// spacing_m: cube edge h > 0 of the lattice. NaN for other values.
+///
+/// The first four are derived. In series with a half space of isotropic springs and cells (springs/energy_model.h, cells
+/// at 0.95 of a cap of 12 E) they give the result of linear elasticity for incompressible tissue. That is 64/45 E R
+/// along the normal, the force conjugate to d under Hertz's pressure, and 2/3 of it along the surface, for a traction
+/// of the same profile. The mean rows bear 0.55 of the normal force and 0.36 of the tangential one; the imprint rows
+/// bear the rest. The rows thus depend on R / h: the smaller the disc, the smaller the lattice's part of the compliance
+/// (0 at R / h = 0), and the larger that of the rows.
+///
+/// They are fitted within 0.6 % to the compliances of the contact of springs/polar_points.h at R / h = 0.25, 0.5, 0.75,
+/// 1, 1.0667, 1.25, 1.5, 2 and 2.5. These are means over 8 places in a cube: four along the surface, which is a lattice
+/// plane or half way between two. The blocks are 14 and 20 edges wide and half as deep; the effect of their floor and
+/// sides, which is proportional to 1 / size, is subtracted. At R / h = 0 the fit is exact. Beyond R / h = 2.5 the first
+/// four rows grow in proportion to the radius.
+///
+/// The last three were chosen on validation contacts of block3-quick (R / h = 0.7: 0.59 / (E R^3), 0.073 / (E R^3) and
+/// 0.78 E). They are scaled with the stiffnesses of the mean rows. At any R / h the same force in E R^2 thus hardens
+/// the contact equally, and the same tangential force causes the same normal force.
+ContactParameters::Start start_of_disc(double modulus_Pa, double radius_m, double spacing_m) noexcept;
 
 }  // namespace tissue

@@ -8,28 +8,35 @@
 
 namespace tissue {
 
-/// Discs that a law in space was trained under, beside its own, and how contacts of each are corrected for where the lattice stands.
+/// Disc radii under which a model in space was trained, and the lattice corrections of the contact at each.
 struct DiscSizes {
-    Eigen::VectorXd radii_m = {};             ///< ascending: of the training contacts, and half way between by ratio; none: the law knows its own disc alone (K)
-    double spacing_m = std::numeric_limits<double>::quiet_NaN();  ///< edge of the lattice's cubes, which the law's rows at other radii go by
-    std::vector<FacetTable> correction = {};  ///< of each (springs/lattice_correction.h); none where a lattice has no correction (K)
+    /// radii [m], ascending (K): those of the training contacts and the geometric means between neighbours; empty: the
+    /// model has one disc only
+    Eigen::VectorXd radii_m = {};
+    /// cube edge h of the lattice [m], on which the contact stiffnesses at other radii depend
+    double spacing_m = std::numeric_limits<double>::quiet_NaN();
+    /// correction at each radius (K) (springs/lattice_correction.h); empty where the lattice has none
+    std::vector<FacetTable> correction = {};
 
     bool empty() const { return radii_m.size() == 0; }
-    /// The correction of a disc between the first and the last, interpolated over the logarithm of the radius; no rows where there is none.
+    /// Correction of a disc between the smallest and the largest radius, interpolated linearly in log radius; no rows
+    /// where there is none.
     FacetTable correction_at(double radius_m) const;
-    /// The same at weights of a facet's nodes, of any radius: below the first disc in proportion to the radius, since the smaller a contact is, the smaller is the lattice's part of its compliance;
-    /// above the last one as of that. Allocates nothing.
+    /// Correction of a contact of any radius at weights of a facet's nodes. Below the smallest disc it is proportional
+    /// to the radius, because the lattice's part of the compliance decreases with the contact. Above the largest disc
+    /// it is constant. Allocates nothing.
     double correction_at(double radius_m, Eigen::Index facet, const Eigen::Vector3d& weight) const noexcept;
 
    private:
     struct Between {
         std::size_t below, above;
-        double part;  ///< of the way from one to the other
+        double part;  ///< fraction of the interval
     };
     Between between(double radius_m) const noexcept;
 };
 
-/// These radii and, between neighbours, the geometric mean: of a lattice's correction, which changes by less than its own size from one to the next. given_m: ascending (at least one).
+/// The given radii and the geometric mean of each two neighbours. From one to the next a lattice's correction changes
+/// by less than its own size. given_m: ascending [m], at least one.
 Eigen::VectorXd with_means(const std::vector<double>& given_m);
 
 }  // namespace tissue

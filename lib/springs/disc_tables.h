@@ -7,13 +7,18 @@
 
 namespace tissue {
 
-/// What a disc reads of its place, of one model.
+/// Tables of one model that a disc's contact evaluates at its place.
 struct DiscTables {
-    NodeField ground = {};       ///< what is of other stiffness than the block, as points (G x 4): place [m], volume times log(E / E_block) [m3]; often no rows
-    Eigen::Vector2d curved_range = {-INFINITY, INFINITY};  ///< on an embedded lattice a contact's factor `curved` is clamped to this: least and most of the training contacts
-    FacetTable correction = {};  ///< of an embedded lattice, by facet of the mesh: log of the contact's stiffness over the law's (springs/lattice_correction.h); often no rows
-    double ball_contact_m = 0;   ///< of a ball the largest radius of its contact (springs/ball_contact.h); 0: a disc
-    DiscSizes sizes = {};        ///< and corrections by radius
+    /// tissue of other stiffness than the block's, as points (G x 4): place [m], volume times log(E / E_block) [m3];
+    /// may have no rows
+    NodeField ground = {};
+    /// on an embedded lattice the factor `curved` is clamped to this range: that of the training contacts
+    Eigen::Vector2d curved_range = {-INFINITY, INFINITY};
+    /// on an embedded lattice, per facet of the mesh: log factor on the contact's stiffness
+    /// (springs/lattice_correction.h); may have no rows
+    FacetTable correction = {};
+    double ball_contact_m = 0;   ///< largest contact radius of a ball [m] (springs/ball_contact.h); 0: a disc
+    DiscSizes sizes = {};        ///< disc radii and their corrections, for a ball's growing contact
 };
 
 }  // namespace tissue

@@ -11,18 +11,20 @@ namespace tissue {
 using ElementVector = Eigen::VectorXd;
 using ElementMatrix = Eigen::MatrixXd;
 
-/// All elements of one kind on one mesh at rest: springs, cells. Element e stores constant_e * energy(e, u), and so
-///   force it takes to hold u        constant_e * force(e, u)        of its nodes, D * corner + axis
-///   tangent                         constant_e * tangent(e, u)      symmetric
-///   derivative by its constant      energy(e, u), force(e, u)
-/// Constants are stiffnesses [N/m]; what is here is per unit of them: energy [m^2], force [m], tangent [1].
-/// One file a kind. All are const, keep nothing, and serve many threads.
+/// All elements of one kind on one mesh at rest: springs, cells, regions, supports. Element e stores constant_e *
+/// energy(e, u). Thus
+///   external nodal force that holds u   constant_e * force(e, u)     at D * corner + axis
+///   tangent                             constant_e * tangent(e, u)   symmetric
+///   derivatives by the constant         energy(e, u), force(e, u)
+/// Constants are stiffnesses [N/m]. Functions give values per unit constant: energy [m^2], force [m], tangent [1].
+/// (Where constants are moduli [Pa], each has one more factor of m.) There is one file per kind. All functions are
+/// const and keep no state, so many threads may call them.
 class Elements {
    public:
     virtual ~Elements() = default;
 
     virtual std::string kind() const = 0;
-    const Cells& nodes() const { return nodes_; }  ///< of each element, one row each (E x corners)
+    const Cells& nodes() const { return nodes_; }  ///< node numbers of each element (E x corners)
     int count() const { return static_cast<int>(nodes_.rows()); }
 
     virtual double energy(int e, const NodeField& u) const = 0;

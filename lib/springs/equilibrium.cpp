@@ -8,10 +8,10 @@
 namespace tissue {
 namespace {
 
-constexpr double tolerance = 1e-10;  // of EquilibriumStatus
+constexpr double tolerance = 1e-10;  // the 1e-10 of EquilibriumStatus
 constexpr int load_steps = 10, max_newton = 100;
 
-/// The contact's weights on the free degrees of freedom, one column an axis.
+/// The contact's weights on the free degrees of freedom (F x D), one column per axis.
 Eigen::MatrixXd contact_weights(const SpringMesh& mesh, const SurfacePoint& contact, const FreeNumbering& free) {
     const int D = mesh.dimension();
     Eigen::MatrixXd W = Eigen::MatrixXd::Zero(free.count, D);
@@ -32,7 +32,7 @@ EquilibriumStatus at_rest(Definiteness d) {
     return d == Definiteness::flat ? EquilibriumStatus::zero_energy_modes : EquilibriumStatus::unstable_at_rest;
 }
 
-/// One mesh, law and stiffness with one contact held.
+/// A mesh, spring law and stiffnesses with one contact prescribed.
 struct HeldMesh {
     const SpringMesh& mesh;
     const SpringLaw& law;
@@ -51,13 +51,14 @@ struct HeldMesh {
                contact.weight[1] * u.row(contact.node[1]).transpose();
     }
 
-    /// r of forces that it takes up but for the smallest remainder.
+    /// Contact force r that minimises the residual of the given forces.
     Eigen::VectorXd contact_force(const Eigen::VectorXd& forces_N) const {
         return (W.transpose() * forces_N).cwiseQuotient(W.colwise().squaredNorm().transpose());
     }
 };
 
-/// A step towards the minimum: Newton's where the tangent is positive definite, else of a tangent raised until it is.
+/// A step towards the minimum: Newton's method where the tangent is positive definite, otherwise with a shifted tangent
+/// that is.
 HeldTangent::Step downhill(const HeldMesh& held, const FreeTangent& tangent, const Eigen::VectorXd& forces_N,
                            const Eigen::VectorXd& gap) {
     double shift = 0;
@@ -66,14 +67,16 @@ HeldTangent::Step downhill(const HeldMesh& held, const FreeTangent& tangent, con
         if (t.definiteness() == Definiteness::positive) return t.solve(forces_N, gap);
         shift = shift > 0 ? 2 * shift : 1e-4 * tangent.K.diagonal().cwiseAbs().maxCoeff();
     }
-    return {Eigen::VectorXd::Constant(forces_N.size(), std::nan("")), gap};  // not finite: nothing converges any more
+    // not finite: the caller stops
+    return {Eigen::VectorXd::Constant(forces_N.size(), std::nan("")), gap};
 }
 
-/// Goes along du, which leaves the contact where it is, until just before the force along it turns round. What the
-/// contact takes up does no work on du, but would drown the rest in its rounding.
+/// Halves the step du until the slope of the energy at its end is at most half of that at its start, in magnitude; then
+/// adds it to u. du leaves the contact where it is. The contact force does no work on du, but is subtracted to avoid
+/// rounding errors.
 void line_search(const HeldMesh& held, const Eigen::VectorXd& du, const Eigen::VectorXd& forces_N, NodeField& u) {
     const Eigen::VectorXd taken_up = held.W * held.contact_force(forces_N);
-    const double slope = (forces_N - taken_up).dot(du);  // of the energy, negative
+    const double slope = (forces_N - taken_up).dot(du);  // directional derivative of the energy, negative
     double length = 1;
     for (int halvings = 0; halvings < 30; ++halvings, length /= 2) {
         NodeField there = u;
@@ -83,7 +86,7 @@ void line_search(const HeldMesh& held, const Eigen::VectorXd& du, const Eigen::V
     held.free.add(length * du, u);
 }
 
-/// From rest at one load to rest at the next.
+/// From the equilibrium at one load to that at the next; false if the iteration does not converge.
 bool push_to(const HeldMesh& held, const Eigen::VectorXd& target, Equilibrium& state) {
     Eigen::VectorXd f = held.forces(state.displacement);
     for (int iteration = 0; iteration < max_newton; ++iteration) {
@@ -91,7 +94,8 @@ bool push_to(const HeldMesh& held, const Eigen::VectorXd& target, Equilibrium& s
                                                    : Eigen::VectorXd::Zero(target.size());
         const HeldTangent::Step step = downhill(held, held.tangent(state.displacement), f, gap);
         if (!step.du.allFinite()) return false;
-        if (iteration == 0)  // the contact goes all the way at once
+        // the first step moves the contact all the way to its target
+        if (iteration == 0)
             held.free.add(step.du, state.displacement);
         else
             line_search(held, step.du, f, state.displacement);
@@ -110,13 +114,13 @@ bool push_to(const HeldMesh& held, const Eigen::VectorXd& target, Equilibrium& s
 std::string reason_of(EquilibriumStatus status) {
     switch (status) {
         case EquilibriumStatus::balanced: return "";
-        case EquilibriumStatus::contact_fixed: return "the contact lies on the fixed edge";
+        case EquilibriumStatus::contact_fixed: return "the contact is on the fixed edge";
         case EquilibriumStatus::no_contact: return "the lattice has no tissue near the contact";
-        case EquilibriumStatus::zero_energy_modes: return "the spring mesh has zero-energy modes, though its contact is held";
-        case EquilibriumStatus::unstable_at_rest: return "the spring mesh is unstable at rest, though its contact is held";
-        case EquilibriumStatus::unstable: return "the spring mesh is unstable where it was pushed, though its contact is held";
-        case EquilibriumStatus::inside_out: return "a cell of the tissue has turned inside out";
-        case EquilibriumStatus::not_converged: return "Newton found no equilibrium";
+        case EquilibriumStatus::zero_energy_modes: return "the spring mesh has zero-energy modes, with the contact fixed";
+        case EquilibriumStatus::unstable_at_rest: return "the spring mesh is unstable at rest, with the contact fixed";
+        case EquilibriumStatus::unstable: return "the spring mesh is unstable under the indentation, with the contact fixed";
+        case EquilibriumStatus::inverted: return "a cell of the tissue is inverted";
+        case EquilibriumStatus::not_converged: return "Newton's method found no equilibrium";
     }
     return "";
 }

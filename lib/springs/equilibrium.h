@@ -7,46 +7,50 @@
 
 namespace tissue {
 
-/// Why there is, or is not, an equilibrium. f is what is left of the springs' forces at free nodes when the contact's is
-/// taken off [N], R the largest force at any node, supports and contact included [N], p the pivots of the tangent on all
+/// Outcome of the search for an equilibrium. f: residual of the springs' forces at free nodes after subtraction of the
+/// contact force [N]. R: largest force at any node, supports and contact included [N]. p: pivots of the tangent on all
 /// displacements that leave the contact where it is.
 enum class EquilibriumStatus {
-    balanced,           ///< largest |f| <= 1e-10 R, and smallest p > 1e-10 of the largest
-    contact_fixed,      ///< the contact weighs on fixed nodes alone
-    zero_energy_modes,  ///< at rest smallest |p| <= 1e-10 of the largest: part of the mesh moves for nothing
-    unstable_at_rest,   ///< at rest a p < -1e-10 of the largest
-    unstable,           ///< largest |f| <= 1e-10 R, but smallest p <= 1e-10 of the largest: no minimum of the energy
-    inside_out,         ///< a minimum, but of a law whose smallest area ratio is <= 0: no tissue (PressStatus)
-    not_converged,      ///< largest |f| > 1e-10 R after 100 iterations of a load step, or not finite
+    balanced,           ///< max |f| <= 1e-10 R, and min p > 1e-10 max |p|
+    contact_fixed,      ///< the contact has weights on fixed nodes only
+    zero_energy_modes,  ///< at rest min |p| <= 1e-10 max |p|: the mesh has zero-energy modes
+    unstable_at_rest,   ///< at rest some p < -1e-10 max |p|
+    unstable,           ///< max |f| <= 1e-10 R, but min p <= 1e-10 max |p|: not a minimum of the energy
+    /// of an energy model: a minimum with an inverted cell, area or volume ratio <= 0 (SolverStatus)
+    inverted,
+    not_converged,      ///< max |f| > 1e-10 R after 100 iterations of a load step, or f not finite
     no_contact          ///< in space: the lattice has no tissue near the contact
 };
 
-/// One line for people; empty for `balanced`.
+/// Message of one line; empty for `balanced`.
 std::string reason_of(EquilibriumStatus status);
 
-/// Rest of a spring mesh whose contact has been pushed, everything else free to find its place.
+/// Equilibrium of a spring mesh with a prescribed displacement of one contact; all other free nodes are in equilibrium.
 struct Equilibrium {
     NodeField displacement;         ///< u [m] (N x D)
-    Eigen::VectorXd contact_force;  ///< multiplier of the constraint [N] (D): the force of the indenter on the mesh
-    EquilibriumStatus status;       ///< u and the force mean something when it is `balanced`, and only then
+    /// multiplier of the constraint [N] (D): force of the indenter on the mesh
+    Eigen::VectorXd contact_force;
+    /// displacement and force are valid only if it is `balanced`
+    EquilibriumStatus status;
 
     explicit operator bool() const { return status == EquilibriumStatus::balanced; }
 };
 
-/// Holds the contact: weight(0) u_i + weight(1) u_j = push [m] (D), the mesh's fixed nodes at rest, and finds a minimum
-/// of the springs' energy over the rest. The mesh need not be stable without its contact; it must be with it, at rest
-/// and where it ends, or there is no answer, and no pseudo-inverse.
-/// A law that is linear in displacement takes one solve. Others are pushed in ten load steps from rest; in each Newton's
-/// method goes down in energy: where the tangent is not positive definite its diagonal is raised until it is, and a step
-/// ends before the force along it has turned round.
-/// Source: design of the closed-loop error; the multiplier is the force a hand feels.
+/// Prescribes the contact, weight(0) u_i + weight(1) u_j = push_m [m] (D), and u = 0 at fixed nodes, and finds a
+/// minimum of the springs' energy. theta: stiffnesses [N/m] (S). The mesh need not be stable without the contact
+/// constraint. With it, it must be stable at rest and at the end; otherwise the status says why there is no result. No
+/// pseudo-inverse is used.
+/// A law that is linear in displacement takes one solve. Others take ten load steps from rest with Newton's method.
+/// Where the tangent is not positive definite, its diagonal is raised until it is. The line search of each step bounds
+/// the energy's slope at the step's end.
+/// Source: design of the indentation error; the multiplier is the force that a hand feels.
 Equilibrium solve_equilibrium(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
                               const SurfacePoint& contact, const Eigen::VectorXd& push_m);
 
-/// G (D x N*D): a nodal force residual e = A(u) theta - f [N] at a state u that holds the contact where it was pushed
-/// changes the contact's reaction by G e [N]; exactly so for a law that is linear in displacement, to first order
-/// otherwise. Zero for fixed nodes. Nothing where the mesh is not stable though its contact is held, or the contact lies
-/// on fixed nodes.
+/// Sensitivity G (D x N*D) of the contact force: a nodal force residual e = A(u) theta - f [N] at a state u with
+/// prescribed contact changes the contact's reaction by G e [N]. It is exact for a law that is linear in displacement,
+/// otherwise of first order. Columns of fixed nodes are zero. Empty where the mesh is not stable with prescribed
+/// contact, or where the contact has weights on fixed nodes only.
 std::optional<Eigen::MatrixXd> contact_sensitivity(const SpringMesh& mesh, const SpringLaw& law,
                                                    const Eigen::VectorXd& theta, const SurfacePoint& contact,
                                                    const NodeField& u);

@@ -8,28 +8,33 @@
 namespace tissue {
 namespace kernel {
 
-/// A SpringCurve as loops have it: a copy of their own, so that nothing that they store can be a part of it.
+/// A SpringCurve as the loops use it. Each loop makes a local copy, so that the compiler knows that no store changes
+/// it.
 struct Curve {
-    double c0, c1, c2, c3, c4, c5, c6;  ///< P
-    double most, most_offset;           ///< of larger ratios, shorter springs, the tangent: secant = slope - offset ratio
-    double least, least_offset;         ///< and of smaller ones
+    double c0, c1, c2, c3, c4, c5, c6;  ///< coefficients of P
+    /// beyond this ratio r = L / l (shorter springs) the curve's tangent: secant = slope - offset r
+    double most, most_offset;
+    double least, least_offset;         ///< the same below this ratio (longer springs)
 };
 
-/// And its energy, for springs that relax.
+/// The curve with its energy, for springs that relax.
 struct RootCurve {
     Curve force;
-    double r0, r1, r2, r3, r4, r5;  ///< R
+    double r0, r1, r2, r3, r4, r5;  ///< coefficients of R (SpringCurve::root)
     double most_slope, least_slope;
-    double least_ratio = 1e-6, none = 0;  ///< of a slot without a spring the ratio is 0. No constants of a loop, as least_squared_m2 is none
+    /// a slot without a spring has ratio 0, which least_ratio replaces. These are not constants for the reason given at
+    /// least_squared_m2
+    double least_ratio = 1e-6, none = 0;
 };
 
 }  // namespace kernel
 
 namespace {
 
-constexpr double no_length_m = 1e-12;  ///< two nodes on one spot have no direction to push in
+constexpr double no_length_m = 1e-12;  ///< two nodes at the same place define no direction
 
-/// theta (|x_i - x_j| - L0) along the current direction, or what another curve makes of it: a spring that turns with the tissue.
+/// Force theta (|x_i - x_j| - L0) along the current direction, or that of another SpringCurve: a spring that turns with
+/// the tissue.
 struct Turning {
     static constexpr const char* name = "geometric";
     static constexpr bool linear = false, axes_apart = false, in_space = true, turns = true;
@@ -70,11 +75,12 @@ struct Turning {
 
 namespace kernel {
 
-/// 1 / sqrt(x) to the last bits, in additions and products alone: where registers are wide, a root and a division take three
-/// times as long. The exponent halved by an integer's shift is 3.5 % off at most; with e = 1 - x y^2 the series of
-/// (1 - e)^(-1/2) then leaves 4e-7, and its first terms again less than rounding.
+/// 1 / sqrt(x) to rounding accuracy with additions and products only: in wide registers a root and a division take
+/// three times as long. Halving the exponent by an integer shift has an error of at most 3.5 %. With e = 1 - x y^2, the
+/// series of (1 - e)^(-1/2) leaves 4e-7. Its first terms, applied again, leave less than rounding.
 inline double inverse_root(double x) {
-    std::uint64_t bits;  // unsigned: AVX2 has no shift of 64 bits that keeps a sign
+    // unsigned: AVX2 has no arithmetic right shift of 64 bits
+    std::uint64_t bits;
     std::memcpy(&bits, &x, sizeof bits);
     bits = 0x5fe6eb50c7b537a9 - (bits >> 1);
     double y;
@@ -85,21 +91,22 @@ inline double inverse_root(double x) {
     return y + y * e * (0.5 + e * 0.375);
 }
 
-/// no_length_m squared, as no constant: loops take a copy. Of a constant gcc makes a branch with its root, and then loops for all but the widest
-/// registers (AVX-512) one by one.
+/// no_length_m squared. It is a variable of which loops make a copy: for a constant, gcc makes a branch with its root,
+/// and then vectorises the loops only for the widest registers (AVX-512).
 double least_squared_m2 = no_length_m * no_length_m;
 
 TISSUE_INLINE double polynomial(double ratio, const Curve& q) {
     return q.c0 + ratio * (q.c1 + ratio * (q.c2 + ratio * (q.c3 + ratio * (q.c4 + ratio * (q.c5 + ratio * q.c6)))));
 }
 
-/// SpringCurve::secant, times theta. Without a choice between the curve and its tangents, of which gcc makes branches for all but the widest registers: beyond both ends it is linear in the ratio.
+/// theta times SpringCurve::secant. There is no selection between the curve and its tangents, since gcc makes branches
+/// of it for all but the widest registers: beyond both ends the secant is linear in the ratio.
 TISSUE_INLINE double secant(double theta, double ratio, const Curve& q) {
     const double on_curve = std::min(std::max(ratio, q.least), q.most);
     return theta * ((1 - on_curve) * polynomial(on_curve, q) + q.least_offset * std::max(q.least - ratio, 0.0) - q.most_offset * std::max(ratio - q.most, 0.0));
 }
 
-/// Turning::force of many springs, in the plane.
+/// Turning::force for many springs, in the plane.
 TISSUE_HOT void geometric(const SpringRun& r, const Curve& curve, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fx_j,
                           double* __restrict fy_j) {
     const double least = least_squared_m2;
@@ -114,7 +121,7 @@ TISSUE_HOT void geometric(const SpringRun& r, const Curve& curve, int n, double*
     }
 }
 
-/// Of springs that are alike at rest: nothing of that is read from memory.
+/// The same for springs with equal rest spans, which are thus not read from memory.
 TISSUE_HOT void geometric_alike(const SpringRun& r, const Curve& curve, int n, double sx, double sy, double length, double* __restrict fx_i,
                                 double* __restrict fy_i, double* __restrict fx_j, double* __restrict fy_j) {
     const double least = least_squared_m2;
@@ -129,7 +136,7 @@ TISSUE_HOT void geometric_alike(const SpringRun& r, const Curve& curve, int n, d
     }
 }
 
-/// Both in space.
+/// Both in space: geometric() and geometric_alike().
 TISSUE_HOT void geometric_solid(const SpringRun& r, const Curve& curve, int n, double* __restrict fx_i, double* __restrict fy_i, double* __restrict fz_i,
                                 double* __restrict fx_j, double* __restrict fy_j, double* __restrict fz_j) {
     const double least = least_squared_m2;
@@ -164,7 +171,7 @@ TISSUE_HOT void geometric_solid_alike(const SpringRun& r, const Curve& curve, in
     }
 }
 
-/// Current spans and one over their lengths, and how far springs are drawn out. In the plane.
+/// Current spans x, y [m], the inverse of their lengths [1/m], and the elongations `by` [m]. In the plane.
 TISSUE_HOT void drawn_out(const SpringRun& r, int n, double* __restrict x, double* __restrict y, double* __restrict inverse, double* __restrict by) {
     const double least = least_squared_m2;
     for (int k = 0; k < n; ++k) {
@@ -188,7 +195,7 @@ TISSUE_HOT void drawn_out_alike(const SpringRun& r, int n, double sx, double sy,
     }
 }
 
-/// Both in space.
+/// Both in space: drawn_out() and drawn_out_alike().
 TISSUE_HOT void drawn_out_solid(const SpringRun& r, int n, double* __restrict x, double* __restrict y, double* __restrict z, double* __restrict inverse,
                                 double* __restrict by) {
     const double least = least_squared_m2;
@@ -215,16 +222,18 @@ TISSUE_HOT void drawn_out_solid_alike(const SpringRun& r, int n, double sx, doub
     }
 }
 
-/// A spring of energy q^2 / 2: q in place of how far it is drawn out, and dq/dl over length in place of one over length, so that what its branches hold of q pulls along it as
-/// they store it.
+/// For a spring of energy q^2 / 2 per unit stiffness: by becomes q, and inverse becomes dq/dl over the length. The
+/// forces of the branches are thus the derivatives of the energy that they store in terms of q.
 TISSUE_HOT void to_root(const RootCurve& curve, int n, double* __restrict inverse, double* __restrict by) {
-    constexpr double at_rest = 1e-100;  // no strain
+    constexpr double at_rest = 1e-100;  // avoids 0 / 0 at zero strain
     const RootCurve q = curve;
     for (int k = 0; k < n; ++k) {
         const double ratio = std::max(1 - by[k] * inverse[k], q.least_ratio), on_curve = std::min(std::max(ratio, q.force.least), q.force.most);
         const double stretch = 1 / ratio, at = 1 / on_curve, beyond = stretch - at, shorter = std::min(beyond, q.none), longer = std::max(beyond, q.none);
-        const double per_strain = 1 / (stretch - 1 + at_rest), part = (at - 1 + at_rest) * per_strain;  // 1 on the curve, at rest too
-        const double pull = polynomial(on_curve, q.force) * part;                                      // force on the curve over strain
+        // part is 1 on the curve, also at rest
+        const double per_strain = 1 / (stretch - 1 + at_rest), part = (at - 1 + at_rest) * per_strain;
+        // on the curve: force over strain
+        const double pull = polynomial(on_curve, q.force) * part;
         const double w = q.r0 + on_curve * (q.r1 + on_curve * (q.r2 + on_curve * (q.r3 + on_curve * (q.r4 + on_curve * q.r5))));
         const double force = pull + (q.most_slope * shorter + q.least_slope * longer) * per_strain;
         const double here = w * part * part + (2 * pull * beyond + (q.most_slope * shorter * shorter + q.least_slope * longer * longer) * per_strain) * per_strain;
@@ -234,12 +243,12 @@ TISSUE_HOT void to_root(const RootCurve& curve, int n, double* __restrict invers
     }
 }
 
-/// pull = theta inverse by, in place of inverse.
+/// inverse becomes theta * inverse * by.
 TISSUE_HOT void pull_of(int n, const double* __restrict theta, const double* __restrict by, double* __restrict inverse) {
     for (int k = 0; k < n; ++k) inverse[k] *= theta[k] * by[k];
 }
 
-/// f_i -= pull x, f_j += pull x, one axis.
+/// f_i -= pull x, f_j += pull x, for one axis.
 TISSUE_HOT void put_on_ends(int n, const double* __restrict pull, const double* __restrict x, double* __restrict f_i, double* __restrict f_j) {
     for (int k = 0; k < n; ++k) {
         const double g = pull[k] * x[k];
@@ -254,7 +263,8 @@ namespace {
 
 constexpr int chunk = 256;
 
-/// Springs that relax pull with what their memory makes of the root of their energy: for Hooke's, of how far they are drawn out.
+/// Forces of springs that relax: BranchMemory acts on the root of twice the spring's energy, for Hooke's springs the
+/// elongation.
 void pull_with_memory(const Turning& springs, const SpringRun& r, int n) noexcept {
     alignas(64) double span[3][chunk], inverse[chunk], by[chunk], felt[chunk];
     if (r.dimension == 2 && r.alike)

@@ -8,7 +8,7 @@ using Factor = Eigen::SimplicialLDLT<SparseMatrix>;
 Definiteness factorise(Factor& factor, const SparseMatrix& K) {
     constexpr double rounding = 1e-10;
     factor.compute(K);
-    if (factor.info() != Eigen::Success) return Definiteness::flat;  // it stops at a pivot of zero
+    if (factor.info() != Eigen::Success) return Definiteness::flat;  // the factorisation stops at a pivot of zero
     const Eigen::VectorXd pivots = factor.vectorD();
     const double largest = pivots.cwiseAbs().maxCoeff();
     for (double pivot : pivots)
@@ -60,7 +60,7 @@ FreeTangent::FreeTangent(const SparseMatrix& stiffness, const FreeNumbering& num
     definiteness = factorise(factor, K);
 }
 
-/// Of each axis one degree of freedom, where the contact weighs most, follows from the others.
+/// Elimination of one degree of freedom per axis: that with the largest weight of the contact.
 struct HeldTangent::Eliminated {
     SparseMatrix Z, Y;  // F x (F - D), F x D
     Factor factor;      // of Z'KZ + shift
@@ -74,7 +74,7 @@ HeldTangent::HeldTangent(const FreeTangent& free, const Eigen::MatrixXd& W, doub
         return;
     }
     const Eigen::Index F = W.rows(), D = W.cols();
-    std::vector<int> axis_of(static_cast<std::size_t>(F), -1);  // -1: stays a degree of freedom
+    std::vector<int> axis_of(static_cast<std::size_t>(F), -1);  // -1: remains a degree of freedom
     std::vector<Eigen::Triplet<double>> z, y;
     for (Eigen::Index d = 0; d < D; ++d) {
         Eigen::Index most = 0;
@@ -97,7 +97,8 @@ HeldTangent::HeldTangent(const FreeTangent& free, const Eigen::MatrixXd& W, doub
     e->Y.setFromTriplets(y.begin(), y.end());
     SparseMatrix reduced = e->Z.transpose() * free.K * e->Z;
     for (Eigen::Index i = 0; i < F - D; ++i) reduced.coeffRef(i, i) += shift;
-    e->definiteness = F > D ? factorise(e->factor, reduced) : Definiteness::positive;  // nothing is left that could move
+    // F = D: no displacement is left free
+    e->definiteness = F > D ? factorise(e->factor, reduced) : Definiteness::positive;
     eliminated_ = std::move(e);
 }
 

@@ -18,7 +18,7 @@ Eigen::VectorXd heuristic_stiffness(const SpringMesh& mesh, double modulus_N_m) 
 }
 
 Eigen::VectorXd heuristic_stiffness(const SpringMesh& mesh, const Eigen::VectorXd& triangle_modulus_N_m) {
-    std::map<std::pair<int, int>, double> sum;  // of E2 area(T_e) on each edge
+    std::map<std::pair<int, int>, double> sum;  // E2 area(T_e), summed by edge
     for (Eigen::Index t = 0; t < mesh.simplices.rows(); ++t) {
         const int a = mesh.simplices(t, 0), b = mesh.simplices(t, 1), c = mesh.simplices(t, 2);
         const Eigen::RowVector2d ab = mesh.nodes.row(b) - mesh.nodes.row(a), ac = mesh.nodes.row(c) - mesh.nodes.row(a);

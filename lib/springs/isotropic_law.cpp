@@ -17,7 +17,7 @@ TISSUE_HOT void isotropic(int n, const double* __restrict theta, const double* _
 
 namespace {
 
-/// theta (u_i - u_j): the same in every direction, so no 4-connected row can slide for nothing.
+/// Force theta (u_i - u_j): equal in every direction, so that no row of a 4-connected lattice can slide without energy.
 struct Isotropic {
     static constexpr const char* name = "isotropic";
     static constexpr bool linear = true, axes_apart = true, in_space = false, turns = false;

@@ -9,7 +9,8 @@ namespace tissue {
 
 std::optional<RectangleShares> isotropic_shares(const Eigen::Vector2d& sides_m) {
     const Eigen::Array2d h = sides_m.array().square() / sides_m.squaredNorm();
-    const double diagonal = 1 / (2 * h[0] * h[1]), x = 3 - h[0] / h[1], y = 3 - h[1] / h[0];  // per volume and direction, c = 1
+    // per volume and direction, c = 1
+    const double diagonal = 1 / (2 * h[0] * h[1]), x = 3 - h[0] / h[1], y = 3 - h[1] / h[0];
     if (!(x > 1e-9 && y > 1e-9)) return {};
     const double sum = x + y + 2 * diagonal;
     return RectangleShares{2 * x / sum, 2 * y / sum, 4 * diagonal / sum};
@@ -17,7 +18,7 @@ std::optional<RectangleShares> isotropic_shares(const Eigen::Vector2d& sides_m) 
 
 namespace {
 
-/// By the axes that a spring runs along, over (7)'s share.
+/// Isotropic share over that of (7), by the axes that a spring runs along.
 double more_than_in_7(const RectangleShares& share, bool x, bool y) { return x && y ? share.diagonal : 2 * (x ? share.along_x : share.along_y); }
 double more_than_in_7(int axes) { return (axes == 1 ? cube_edge_share : axes == 2 ? cube_face_share : cube_body_share) / spring_share(axes); }
 
@@ -35,9 +36,10 @@ Eigen::VectorXd isotropic_measure(const SpringMesh& mesh) {
         return measure;
     }
     const std::optional<RectangleShares> share = isotropic_shares(cell_m.transpose());
-    if (!share || along.rowwise().sum().maxCoeff() < 2) return measure;  // without diagonals nothing is isotropic
+    if (!share || along.rowwise().sum().maxCoeff() < 2) return measure;  // without diagonals no shares are isotropic
     for (int s = 0; s < mesh.spring_count(); ++s)
-        if (const double more = more_than_in_7(*share, along(s, 0) > 0, along(s, 1) > 0); std::abs(more - 1) > 1e-9) measure[s] *= more;  // squares have (7)'s shares, but for rounding
+        // squares have the shares of (7): rounding must not change them
+        if (const double more = more_than_in_7(*share, along(s, 0) > 0, along(s, 1) > 0); std::abs(more - 1) > 1e-9) measure[s] *= more;
     return measure;
 }
 

@@ -14,7 +14,7 @@
 #include "parallel.h"
 #include "springs/contact_errors.h"
 #include "springs/contact_spring.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/law_kernel.h"
 #include "springs/sparse_factor.h"
 #include "springs/tissue_energy.h"
@@ -22,25 +22,27 @@
 namespace tissue {
 namespace {
 
-constexpr double most = 0.5;          // of |x|
-constexpr int most_nodes = 10'000;    // of a lattice: 0.7 GB each
-constexpr int at_once = 2;            // lattices
-constexpr double into_facet = 1e-3;  // of the way to its middle: at a crease a facet's places have its own normal
+constexpr double most = 0.5;          // bound of |x|
+constexpr int most_nodes = 10'000;    // of one lattice; its compliance takes up to 0.7 GB
+constexpr int at_once = 2;            // lattices treated in parallel
+// points are moved towards the facet's middle by this part of the way, so that at a crease they have the facet's own
+// normal
+constexpr double into_facet = 1e-3;
 
-/// Of a contact at rest: log of its stiffness, and the derivative of that by x.
+/// Log of a contact's stiffness at rest, and its derivative by x.
 struct Stiffness {
     double log, by_x;
 };
 
-/// Compliance of a lattice between those of its nodes that contacts may touch.
+/// Compliance of a lattice at rest between those of its nodes that contacts couple.
 class NodeCompliance {
    public:
-    NodeCompliance(const SpringMesh& mesh, const LawModel& law, const std::vector<int>& nodes) : number_(static_cast<std::size_t>(mesh.node_count()), -1) {
+    NodeCompliance(const SpringMesh& mesh, const EnergyModel& law, const std::vector<int>& nodes) : number_(static_cast<std::size_t>(mesh.node_count()), -1) {
         const int own = mesh.embedding.node_count(), lattice = mesh.node_count() - own;
         SparseFactor factor;
         const SparseFactor::Matrix K = TissueEnergy(mesh, law).tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)).bottomRightCorner(3 * lattice, 3 * lattice);
         factor.analyse(K);
-        if (!factor.factorise(K) || !factor.is_definite()) throw MismatchError("the lattice has no stiffness against some displacement");
+        if (!factor.factorise(K) || !factor.is_definite()) throw MismatchError("the lattice has zero-energy modes");
         const auto U = static_cast<Eigen::Index>(nodes.size());
         for (Eigen::Index k = 0; k < U; ++k) number_[static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)])] = static_cast<int>(k);
         values_.resize(3 * U, 3 * U);
@@ -55,7 +57,7 @@ class NodeCompliance {
         }
     }
 
-    /// Between the nodes of a contact [m/N] (3K x 3K).
+    /// Compliance between the nodes of a contact [m/N] (3K x 3K).
     Eigen::MatrixXd among(const std::vector<int>& nodes) const {
         const auto K = static_cast<Eigen::Index>(nodes.size());
         const auto at = [&](Eigen::Index k) { return 3 * static_cast<Eigen::Index>(number_[static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)])]); };
@@ -67,10 +69,11 @@ class NodeCompliance {
 
    private:
     std::vector<int> number_;
-    Eigen::MatrixXf values_;  // a thousand nodes and more: half the memory
+    Eigen::MatrixXf values_;  // float: there are a thousand nodes and more
 };
 
-/// With du = C pull' f and f = k (push d - pull du) for each row: f = (1/k + pull C pull')^-1 push d.
+/// Stiffness of the contact in series with the lattice. With du = C pull' f and f = k (push d - pull du) for each row,
+/// f = (1/k + pull C pull')^-1 push d.
 Stiffness stiffness_of(const ContactSpring& contact, const NodeCompliance& compliance) {
     std::vector<Eigen::Index> stiff;
     for (Eigen::Index r = 0; r < contact.k_N_m.size(); ++r)
@@ -85,10 +88,10 @@ Stiffness stiffness_of(const ContactSpring& contact, const NodeCompliance& compl
     return {std::log(stiffness), f.cwiseAbs2().cwiseProduct(give.replicate<1, 3>()).sum() / stiffness};
 }
 
-/// Of contacts of each disc at each place.
+/// By disc and place; empty where there is no contact.
 using Stiffnesses = std::vector<std::vector<std::optional<Stiffness>>>;
 
-Stiffnesses stiffness_at(const SpringMesh& mesh, const LawModel& law, const std::vector<Point>& places, const Eigen::VectorXd& radii_m) {
+Stiffnesses stiffness_at(const SpringMesh& mesh, const EnergyModel& law, const std::vector<Point>& places, const Eigen::VectorXd& radii_m) {
     const auto K = static_cast<std::size_t>(radii_m.size());
     std::vector<std::unique_ptr<ContactKernel>> kernels;
     for (double radius_m : radii_m) kernels.push_back(make_contact_kernel(mesh, radius_m, {law.disc.ground, law.disc.curved_range, {}}));
@@ -107,8 +110,9 @@ Stiffnesses stiffness_at(const SpringMesh& mesh, const LawModel& law, const std:
     Stiffnesses stiffness(K, std::vector<std::optional<Stiffness>>(places.size()));
     for (std::size_t k = 0; k < K; ++k) {
         const double log_times = std::log(radii_m[static_cast<Eigen::Index>(k)] / law.disc_radius_m);
-        const PatchLaw patch = log_times == 0 ? law.patch : resized(law.patch, law.terms, law.coefficients, law.disc_radius_m, mesh.embedding.spacing_m, log_times);
-        for (std::size_t p = 0; p < places.size(); ++p)  // rows anew: those of all places would take gigabytes
+        const ContactParameters patch = log_times == 0 ? law.patch : resized(law.patch, law.terms, law.coefficients, law.disc_radius_m, mesh.embedding.spacing_m, log_times);
+        // rows are computed again: those of all places would take gigabytes
+        for (std::size_t p = 0; p < places.size(); ++p)
             if (has_contact[k][p]) stiffness[k][p] = stiffness_of(ContactSpring(kernels[k]->rows_at(places[p]), patch), compliance);
     }
     return stiffness;
@@ -116,14 +120,14 @@ Stiffnesses stiffness_at(const SpringMesh& mesh, const LawModel& law, const std:
 
 }  // namespace
 
-std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh& mesh, const std::function<LawModel(const SpringMesh&)>& law_on, const Eigen::VectorXd& radii_m, int threads) {
+std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh& mesh, const std::function<EnergyModel(const SpringMesh&)>& law_on, const Eigen::VectorXd& radii_m, int threads) {
     if (mesh.node_count() - mesh.embedding.node_count() > most_nodes) return {};
     const FreeSurface surface(mesh);
     const double h = mesh.embedding.spacing_m;
     const int parts = std::clamp(static_cast<int>(std::ceil(3 * surface.spacing_m() / h)), 1, 6);
     const NodeField weights = FacetTable::corners(parts);
 
-    // facets share the places of their edges, but at creases
+    // Adjacent facets share the places on their common edge, except at creases.
     std::vector<Point> places;
     std::vector<std::size_t> place_of;
     std::map<std::array<long long, 6>, std::size_t> known;
@@ -154,7 +158,8 @@ std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh
         try {
             const SpringMesh shifted = shifted_lattice(shape, h, shifts[n]);
             stiffness[n] = stiffness_at(shifted, law_on(shifted), places, radii_m);
-        } catch (const Error&) {  // too coarse there for the solid, or for what lies in it
+        // shifted lattice too coarse for the solid or its inclusion: no correction
+        } catch (const Error&) {
         }
     });
 

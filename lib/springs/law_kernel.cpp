@@ -10,7 +10,7 @@ std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, doubl
     return std::make_unique<ContactSurface>(mesh);
 }
 
-std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const LawModel& law) {
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const EnergyModel& law) {
     std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, law.disc_radius_m, law.disc);
     kernel->scale(law.contact_log_scale);
     return kernel;

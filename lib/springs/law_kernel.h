@@ -9,9 +9,9 @@
 
 namespace tissue {
 
-/// Contacts of a law on a mesh: the patch in the plane; in space a disc of that radius [m].
+/// Contact kernel of an energy model on a mesh: patches in the plane, in space a disc of radius disc_radius_m [m].
 std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, double disc_radius_m, DiscTables tables = {});
-/// Those of a model's law, with its contact_log_scale.
-std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const LawModel& law);
+/// The same for the disc and tables of `law`, with its contact_log_scale.
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const EnergyModel& law);
 
 }  // namespace tissue

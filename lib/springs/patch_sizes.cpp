@@ -1,12 +1,12 @@
 #include "springs/patch_sizes.h"
 
 #include "error.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 
 namespace tissue {
 
-PatchSizes::PatchSizes(const LawModel& law) : own_(law.patch), own_m_(law.disc_radius_m), least_m_(law.disc_radius_m), most_m_(law.disc_radius_m) {
-    if (!(law.disc_radius_m > 0)) throw MismatchError("the law has no disc");
+PatchSizes::PatchSizes(const EnergyModel& law) : own_(law.patch), own_m_(law.disc_radius_m), least_m_(law.disc_radius_m), most_m_(law.disc_radius_m) {
+    if (!(law.disc_radius_m > 0)) throw MismatchError("the energy model has no disc");
     const DiscSizes& sizes = law.sizes.empty() ? law.disc.sizes : law.sizes;
     const Eigen::VectorXd& known = sizes.radii_m;
     if (known.size() == 0) return;

@@ -9,16 +9,21 @@
 
 namespace tissue {
 
-/// A disc's contact stiffnesses at any radius, without an allocation: between the discs that a law was trained under as the law has them (energy_law.h, resized), beyond them as rows start (springs/disc_rows.h). What the
-/// law has learned of the radius fades out over a fifth of its logarithm, so that this makes no step of the force of a contact that grows. Two other things make small ones: corrections for the lattice (DiscSizes) are linear between radii, and the mean begins to grow with the disc at R = 1.07 edges.
+/// Contact parameters of a disc as a function of its radius, without allocation. Between the smallest and the largest
+/// training disc they are those of resized() (energy_model.h). Beyond them they follow their analytical start
+/// (springs/disc_rows.h). There the trained dependence on the radius fades out over 0.2 in log radius, so that the
+/// force of a growing contact does not jump.
+/// Two other effects cause small jumps of that force: lattice corrections (DiscSizes) are piecewise linear in log
+/// radius, and the mean's reach starts to grow with the disc at R = 1.07 cube edges.
 class PatchSizes {
    public:
     PatchSizes() = default;
-    /// Throws MismatchError for a law that has no disc. Of a law that knows one disc alone `at` may not be asked (NaN).
-    explicit PatchSizes(const LawModel& law);
+    /// Throws MismatchError for an energy model without a disc. For one with a single disc radius, at() returns NaN and
+    /// must not be called.
+    explicit PatchSizes(const EnergyModel& law);
 
-    PatchLaw at(double radius_m) const noexcept {
-        PatchLaw law = own_;
+    ContactParameters at(double radius_m) const noexcept {
+        ContactParameters law = own_;
         law.log_N_m.col(0) += start_of_disc(1, radius_m, spacing_m_) + learned(radius_m) * learned_ - own_start_;
         return law;
     }
@@ -26,15 +31,17 @@ class PatchSizes {
     double most_m() const { return most_m_; }
 
    private:
-    /// Logarithm of the radius that what was learned goes by.
+    /// Log radius for the trained dependence: that of radius_m within the training range, constant beyond the fade-out.
     double learned(double radius_m) const noexcept {
         constexpr double fades = 0.2;
         const double known_m = std::min(std::max(radius_m, least_m_), most_m_), beyond = std::log(radius_m / known_m), part = std::min(std::abs(beyond), fades);
         return std::log(known_m) + std::copysign(part - part * part / (2 * fades), beyond);
     }
 
-    PatchLaw own_;
-    PatchLaw::Start learned_ = PatchLaw::Start::Zero(), own_start_ = learned_;  ///< d log_N_m(m, 0) / d log radius of what terms `size` add, and what `at` adds before own_start_ is taken off at the law's own radius
+    ContactParameters own_;
+    /// learned_: trained slope d log_N_m(m, 0) / d log radius of the terms `size`. own_start_: what at() adds at the
+    /// model's own radius, and subtracts
+    ContactParameters::Start learned_ = ContactParameters::Start::Zero(), own_start_ = learned_;
     double own_m_ = 1, spacing_m_ = std::numeric_limits<double>::quiet_NaN(), least_m_ = 1, most_m_ = 1;
 };
 

@@ -8,7 +8,7 @@ namespace tissue {
 
 PolarPoints::PolarPoints(const SpringMesh& mesh, double reach)
     : search_(mesh.nodes, mesh.embedding.cubes, mesh.embedding.spacing_m), cubes_(mesh.embedding.cubes), reach_(reach), spacing_m_(mesh.embedding.spacing_m) {
-    Eigen::Vector3d held = Eigen::Vector3d::Zero();  // twice its area, outward
+    Eigen::Vector3d held = Eigen::Vector3d::Zero();  // twice the area vector of the fixed surface, outward
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         const auto facet = mesh.facets.row(f);
         if (!std::all_of(facet.begin(), facet.end(), [&](int node) { return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node); })) continue;
@@ -23,7 +23,7 @@ PolarPoints::PolarPoints(const SpringMesh& mesh, double reach)
     for (int k = 0; k < under + beyond; ++k) {
         const bool inside = k < under;
         const int in_ring = (inside ? under : beyond) / rings, of = inside ? k : k - under, ring = of / in_ring;
-        const double low = inside ? 0 : 1, high = inside ? 1 : reach * reach;  // squares of radii
+        const double low = inside ? 0 : 1, high = inside ? 1 : reach * reach;  // squared radii
         const double angle = 2 * pi * (of % in_ring + 0.5 * (ring % 2)) / in_ring;
         away_[k] = std::sqrt(low + (high - low) * (ring + 0.5) / rings);
         direction_.row(k) << std::cos(angle), std::sin(angle);
@@ -32,7 +32,7 @@ PolarPoints::PolarPoints(const SpringMesh& mesh, double reach)
 }
 
 Eigen::Matrix<double, 3, 2> PolarPoints::tangents(const Eigen::Vector3d& inward) const noexcept {
-    // the third axis is turned to the outward normal by the shortest way, and the first two with it
+    // The third axis is rotated to the outward normal by the smallest angle, and the first two with it.
     const Eigen::Vector3d n = axes_.transpose() * -inward;
     const double a = 1 / std::max(1e-12, 1 + n.z()), across = -n.x() * n.y() * a;
     Eigen::Matrix<double, 3, 2> turned;
@@ -48,7 +48,7 @@ void PolarPoints::lay_mean(const SurfaceQuadric& surface, double radius_m, Footi
     for (int k = 0; k < under + beyond; ++k) {
         const Eigen::Vector3d place_m = surface.at(mean_m / reach_m * along_m(k, radius_m));
         const CubeSearch::Found found = search_.at(place_m);
-        const double weight = left_at(found) * area_[k] * bell((place_m - surface.place_m).norm() / mean_m);
+        const double weight = left_at(found) * area_[k] * quartic_kernel((place_m - surface.place_m).norm() / mean_m);
         if (!(weight > 0)) continue;
         sum += weight;
         for (int c = 0; c < 8; ++c) {

@@ -6,14 +6,16 @@
 
 namespace tissue {
 
-constexpr double usual_off_surface_m = 0.002;  ///< a contact farther off the free surface is none
+/// largest distance of a contact from the free surface
+constexpr double usual_off_surface_m = 0.002;
 
-/// Why a tool at a contact [m] (D) that goes on by a push [m] (D) is none that a tissue answers: of another number of axes, not finite, off the
-/// free surface, on what is held, or out of the tissue. "" where it is one; then the contact is at the surface's nearest point. A push of no
-/// length, or along the surface, is one.
-std::string push_refusal(const SpringMesh& mesh, const FreeSurface& surface, const Point& contact_m, const Point& push_m, double off_surface_m = usual_off_surface_m);
+/// Reason why a contact contact_m [m] (D) with a tool displacement push_m [m] (D) is refused: wrong number of axes, not
+/// finite, off the free surface, on fixed nodes, or a displacement out of the tissue. "" if it is accepted; the contact
+/// is then the nearest surface point. Zero displacements and displacements along the surface are accepted.
+std::string push_refusal(const SpringMesh& mesh, const FreeSurface& surface, const Point& contact_m, const Point& push_m, double off_surface_m = usual_off_surface_m,
+                         bool may_pull = false);
 
-/// The same without a push.
+/// The same for a contact alone.
 std::string contact_refusal(const SpringMesh& mesh, const FreeSurface& surface, const Point& contact_m, double off_surface_m = usual_off_surface_m);
 
 }  // namespace tissue

@@ -31,7 +31,7 @@ RegionArea::RegionArea(const SpringMesh& mesh, Outline outline)
     for (const auto& [i, j] : edges_) area_ += (rest_(i, 0) * rest_(j, 1) - rest_(i, 1) * rest_(j, 0)) / 2;
 }
 
-/// As of one cell (springs/cell_areas.cpp): edge by edge, as it changes with u.
+/// Relative change of area, edge by edge in terms of u, as for one cell (springs/cell_areas.cpp): no cancellation.
 double RegionArea::swelling(const NodeField& u) const {
     double twice = 0;
     for (const auto& [i, j] : edges_) {

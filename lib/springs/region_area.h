@@ -7,11 +7,12 @@
 
 namespace tissue {
 
-/// A region of many cells that keeps its true area together: A a (area / a - 1)^2 / 2, as one cell does. Its area depends
-/// on its outline alone, so it pulls softly at many nodes and costs the time step little. Two dimensions; one element.
+/// Area term of a region of many cells: energy A a (area / a - 1)^2 / 2, as for one cell (springs/cell_areas.h). The
+/// area depends on the region's outline only. The term therefore has small stiffnesses at many nodes and hardly reduces
+/// the time step. Two dimensions; one element.
 class RegionArea final : public Elements {
    public:
-    /// cells: of the mesh, plane and counter-clockwise; region: which of them.
+    /// cells: those of the mesh, plane and counter-clockwise. region: indices of its cells.
     RegionArea(const SpringMesh& mesh, const Cells& cells, const std::vector<int>& region);
 
     std::string kind() const override { return "region"; }
@@ -19,7 +20,8 @@ class RegionArea final : public Elements {
     void force(int e, const NodeField& u, ElementVector& out) const override;
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
 
-    /// Edges that one cell of the region has and no other: from node to node, as columns of nodes(). Any number of loops.
+    /// Edges that belong to exactly one cell of the region, from node to node, as columns of nodes(). There may be
+    /// several loops.
     const std::vector<std::array<int, 2>>& edges() const { return edges_; }
 
    private:
@@ -34,7 +36,7 @@ class RegionArea final : public Elements {
     void area_gradient(const NodeField& u, ElementVector& out) const;
 
     std::vector<std::array<int, 2>> edges_;
-    NodeField rest_;      ///< of its nodes, from the first of them [m]
+    NodeField rest_;      ///< positions of its nodes at rest, relative to the first [m]
     double area_;         ///< a [m^2]
 };
 

@@ -19,19 +19,20 @@ NodeField relaxed(const Eigen::VectorXd& time_s, const NodeField& force_N, const
     return out;
 }
 
-LawModel instantaneous(const LawModel& law) {
-    LawModel now = law;
+EnergyModel instantaneous(const EnergyModel& law) {
+    EnergyModel now = law;
     now.relaxation = {};
     return now;
 }
 
-LawModel long_term(const LawModel& law) {
-    LawModel later = instantaneous(law);
+EnergyModel long_term(const EnergyModel& law) {
+    EnergyModel later = instantaneous(law);
     if (law.relaxation.empty()) return later;
     later.constants.array() *= 1 - law.relaxation.share.rowwise().sum().array();
     const double left = std::log(1 - law.relaxation.contact_share.sum());
-    for (Eigen::Index row = 0; row < later.patch.log_N_m.rows(); ++row)  // hardening and saturation are by energy
-        later.patch.log_N_m(row, 0) += row == PatchLaw::hardening_row || row == PatchLaw::saturation_row ? -left : left;
+    // hardening and saturation are per energy: they scale with the inverse
+    for (Eigen::Index row = 0; row < later.patch.log_N_m.rows(); ++row)
+        later.patch.log_N_m(row, 0) += row == ContactParameters::hardening_row || row == ContactParameters::saturation_row ? -left : left;
     return later;
 }
 

@@ -77,7 +77,8 @@ int RestPlaces::axes_of(const Cells& nodes, Eigen::Index e, int& first) const {
 Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) const {
     const Eigen::Index count = nodes.rows();
     const bool springs = nodes.cols() == 2, cells = has_cells(mesh_);
-    const bool solid = mesh_.is_solid();  // its lattice's nodes are neither on the surface nor held
+    // the nodes of its lattice are neither on the surface nor fixed
+    const bool solid = mesh_.is_solid();
     Eigen::VectorXd value(count);
     const auto each = [&](const auto& at) {
         for (Eigen::Index e = 0; e < count; ++e) value[e] = at(e);
@@ -111,11 +112,12 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
     const int up = mesh_.dimension() - 1;
     if (name[0] >= 'x' && name[0] <= 'x' + up && name.size() <= 2) {
         const int axis = name[0] - 'x', power = name.size() == 1 ? 1 : name[1] - '0';
-        const bool even = power == 2 || power == 4;  // a tissue that mirrors itself about x must stay so
+        // odd powers of a horizontal axis would break a tissue's mirror symmetry
+        const bool even = power == 2 || power == 4;
         if (even || (axis == up && (power == 1 || power == 3)))
             return each([&](Eigen::Index e) { return std::pow(scaled(e, axis), power); });
     }
-    // a solid's layers: from its highest and its lowest place, and at its walls, which are neither
+    // Layers of a solid: from its highest and its lowest point, and from its side walls, which are neither.
     const auto height_m = [&](Eigen::Index e) { return middle(nodes, e)[up] - (centre_m_[up] - half_size_m_[up]); };
     if (solid && name == "top")
         return each([&](Eigen::Index e) { return std::exp(-(2 * half_size_m_[up] - height_m(e)) / spacing_m_); });

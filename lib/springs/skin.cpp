@@ -20,8 +20,8 @@ std::array<Eigen::Index, 4> skin_columns(const std::vector<std::string>& terms) 
     return column;
 }
 
-SkinLaw skin_of(const std::vector<std::string>& terms, const Eigen::VectorXd& coefficients) {
-    SkinLaw c;
+SkinParameters skin_of(const std::vector<std::string>& terms, const Eigen::VectorXd& coefficients) {
+    SkinParameters c;
     Eigen::Index k = 0;
     for (const Eigen::Index column : skin_columns(terms)) c[k++] = column < 0 ? 0 : coefficients[column];
     return c;

@@ -6,7 +6,7 @@
 namespace tissue {
 namespace {
 
-constexpr Eigen::Index few = 1500;  // unknowns, of which LDL' is as quick
+constexpr Eigen::Index few = 1500;  // up to so many unknowns LDL' is as fast
 
 }  // namespace
 
@@ -17,7 +17,8 @@ struct SparseFactor::Factors {
 };
 
 SparseFactor::SparseFactor() : factors_(std::make_unique<Factors>()) {
-    factors_->llt.cholmod().print = 0;  // else it says on standard output that a matrix is not definite
+    // otherwise CHOLMOD reports indefinite matrices on standard output
+    factors_->llt.cholmod().print = 0;
 }
 
 SparseFactor::~SparseFactor() = default;

@@ -5,19 +5,20 @@
 
 namespace tissue {
 
-/// Factors of symmetric matrices of one pattern, of which the lower triangle is given: supernodal LL' (CHOLMOD; Chen, Davis, Hager and Rajamanickam 2008, ACM
-/// Transactions on Mathematical Software 35: 22) where they are large and positive definite, else LDL'.
+/// Factorisation of symmetric matrices with one pattern, given by their lower triangles. Large positive definite ones
+/// use supernodal LL' (CHOLMOD; Chen, Davis, Hager and Rajamanickam 2008, ACM Transactions on Mathematical Software 35:
+/// 22), others LDL'.
 class SparseFactor {
    public:
     using Matrix = Eigen::SparseMatrix<double>;
 
     SparseFactor();
     ~SparseFactor();
-    /// Of the matrices that come: their pattern.
+    /// Sets the pattern of the matrices to be factorised.
     void analyse(const Matrix& pattern);
-    /// False when it has a pivot of zero.
+    /// False when there is a pivot of zero.
     bool factorise(const Matrix& K);
-    bool is_definite() const { return definite_; }  ///< positive, of the last one
+    bool is_definite() const { return definite_; }  ///< whether the last matrix was positive definite
     Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
 
    private:

@@ -26,25 +26,25 @@ double derivative(const std::array<double, N>& c, double r) {
 const double SpringCurve::straight_below = 0.6, SpringCurve::straight_above = 1.0;
 
 SpringCurve SpringCurve::mooney_rivlin(double q, int dimension, double below, double above) {
-    if (!(q >= 0 && q <= 1)) throw MismatchError(fmt::format("a share of C2 of {} is not in 0 .. 1", q));
-    if (dimension != 2 && dimension != 3) throw MismatchError(fmt::format("springs in {} dimensions", dimension));
-    if (!(below > 0 && below < 1 && above >= 1)) throw MismatchError(fmt::format("a curve straight below {} and above {}", below, above));
+    if (!(q >= 0 && q <= 1)) throw MismatchError(fmt::format("the share of C2 is {}, must be in 0 .. 1", q));
+    if (dimension != 2 && dimension != 3) throw MismatchError(fmt::format("springs in {} dimensions are not possible", dimension));
+    if (!(below > 0 && below < 1 && above >= 1)) throw MismatchError(fmt::format("a curve that is straight below {} and above {} is not possible", below, above));
     const auto D = static_cast<std::size_t>(dimension);
     const double a = (1 - q) / (dimension + 2), b = q / 2;
     SpringCurve curve;
     curve.q_ = q;
-    // 1 - r^(D+2) and r^(D+2) - r^(D+4), both over 1 - r
+    // (1 - r^(D+2)) / (1 - r) and (r^(D+2) - r^(D+4)) / (1 - r).
     curve.force_ = {};
     for (std::size_t k = 0; k < D + 2; ++k) curve.force_[k] = a;
     curve.force_[D + 2] = curve.force_[D + 3] = b;
-    // s^2 / 2 + s^-D / D - 1/2 - 1/D and s^-(D+2) / (D+2) - s^-D / D + 1/D - 1/(D+2), both over (s - 1)^2 / 2
+    // s^2 / 2 + s^-D / D - 1/2 - 1/D and s^-(D+2) / (D+2) - s^-D / D + 1/D - 1/(D+2), both over (s - 1)^2 / 2.
     if (dimension == 3) {
         curve.root_ = {a, 2 * a, 4 * a / 3 + 4 * b / 15, 2 * a / 3 + 8 * b / 15, 12 * b / 15, 6 * b / 15};
     } else {
         curve.root_ = {a, 2 * a, a + b / 2, b, b / 2, 0};
     }
     const Tangent shorter = curve.tangent_at(below), longer = curve.tangent_at(above);
-    if (longer.slope < 0) throw MismatchError(fmt::format("springs of a share of C2 of {} soften above {} of their length until nothing holds them", q, above));
+    if (longer.slope < 0) throw MismatchError(fmt::format("springs with a share of C2 of {} soften above {} of their length until they have no stiffness", q, above));
     curve.shorter_ = shorter;
     curve.longer_ = longer;
     return curve;

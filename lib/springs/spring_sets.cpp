@@ -29,7 +29,7 @@ std::vector<NamedSet> spring_sets(const TissueModel& model, const std::string& o
     if (sets.empty())
         throw MismatchError(
             fmt::format("spring set '{}' is not in the model; it has one_set, heuristic_a, heuristic_b "
-                        "and one a load case, as {}",
+                        "and one per load case, such as {}",
                         set, model.case_count() > 0 ? model.case_names.front() : "none"));
     return sets;
 }

@@ -6,10 +6,11 @@
 
 namespace tissue {
 
-/// A spring between each held node of an embedded solid and where it is at rest: k |u|^2 / 2, u interpolated in the node's cube.
+/// Springs between the fixed nodes of an embedded solid and their rest positions: energy k |u|^2 / 2, with u
+/// interpolated in the node's cube.
 class Supports final : public Elements {
    public:
-    /// Of the mesh's fixed nodes (M). Throws MismatchError for a mesh that is no embedded lattice.
+    /// One support per fixed node of the mesh (M). Throws MismatchError for a mesh that is not an embedded lattice.
     explicit Supports(const SpringMesh& mesh);
 
     std::string kind() const override { return "support"; }
@@ -18,11 +19,11 @@ class Supports final : public Elements {
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
 
    private:
-    std::vector<int> held_;  ///< the solid's nodes that are held (M)
+    std::vector<int> held_;  ///< fixed nodes of the solid (M)
     Embedding embedding_;
 };
 
-/// What part of the held surface is each fixed node's: a third of its held facets [m^2] (M).
+/// Area of the fixed surface per fixed node: a third of each adjacent fixed facet [m^2] (M).
 Eigen::VectorXd held_areas(const SpringMesh& mesh);
 
 }  // namespace tissue

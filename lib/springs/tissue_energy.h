@@ -12,49 +12,56 @@
 
 namespace tissue {
 
-/// The energy that a piece of tissue stores: turning springs and cells that keep their area, each with a constant of its
-/// own. Derives forces that give back what they took on every closed loop, feels no translation and no rotation, and is
-/// zero at rest. constants [N/m] (E): theta of the springs (S), then A of the cells (C).
+/// Energy of a piece of tissue: springs that rotate with the tissue and cells that conserve area or volume, each with
+/// its own constant. Its forces are conservative. It does not change under translation and rotation (except for the
+/// supports), and is zero at rest. constants (E): theta of the springs (S) [N/m], then A of the cells (C), in the plane
+/// [N/m], in space [Pa].
 ///
-/// Cells are a lattice's squares, about one a node. A shape has two triangles a node, and as many areas to keep as there
-/// are displacements: it would lock. There a cell is what lies around a node, all its triangles together (average nodal
-/// area: Bonet and Burton 1998, Communications in Numerical Methods in Engineering 14: 437-449); three of them lie over
-/// each other everywhere.
+/// Cells in the plane are the squares of a lattice, about one per node. A shape has two triangles per node, thus as
+/// many area constraints as displacements: it would lock. There a cell consists of all triangles around a node (average
+/// nodal area: Bonet and Burton 1998, Communications in Numerical Methods in Engineering 14: 437-449). Three such cells
+/// overlap everywhere.
 ///
-/// In space a solid is embedded in a lattice: it has the lattice's springs, its cubes' volumes, each with the part of it that is tissue, and supports at the points of its held
-/// surface, whose stiffness [N/m] are the last constants (M). No element joins the solid's own nodes.
+/// In space a solid is embedded in a lattice. It has the lattice's springs, the volumes of its cubes, each with the
+/// part of it that is tissue, and supports at the nodes of its fixed surface, whose stiffnesses [N/m] are the last
+/// constants (M). No element joins the solid's own nodes.
 ///
-/// An incompressible tissue in the plane keeps its area as a whole and by quarters too, A of those regions the last constants (R): what
-/// the cells lose one by one, since a time step bounds how stiff they may be, adds up over the tissue, and it bulges too
-/// little. Regions pull softly at many nodes and cost the time step next to nothing: at the cells' own A 4 % of the fastest
-/// mode on the 10 mm lattice, where making the cells as stiff as that helps would cost 20 %.
+/// Incompressible tissue in the plane also conserves the area of the whole and of its quarters; A of these regions are
+/// the last constants (R). The time step limits the stiffness of the cells. Their small losses of area add up over the
+/// tissue, which would then bulge too little. Regions have small stiffnesses at many nodes and cost little time step:
+/// at the cells' own A the fastest mode on the 10 mm lattice rises by 4 %. Cells of the stiffness that has the same
+/// effect would cost 20 %.
 class TissueEnergy {
    public:
-    /// incompressible: in the plane whether there are regions; in space it means nothing. curve: of the springs.
+    /// incompressible: in the plane, whether there are regions; ignored in space. curve: force curve of the springs.
     TissueEnergy(const SpringMesh& mesh, bool incompressible, const SpringCurve& curve = {});
 
-    /// Of a law, on the mesh it is of.
-    TissueEnergy(const SpringMesh& mesh, const LawModel& law) : TissueEnergy(mesh, law.incompressible, law.curve) {}
+    /// Energy of an energy model on its mesh.
+    TissueEnergy(const SpringMesh& mesh, const EnergyModel& law) : TissueEnergy(mesh, law.incompressible, law.curve) {}
 
     const std::vector<std::unique_ptr<Elements>>& kinds() const { return kinds_; }
-    int first_of(std::size_t kind) const { return first_[kind]; }  ///< its first constant
+    int first_of(std::size_t kind) const { return first_[kind]; }  ///< index of its first constant
     int constant_count() const { return first_.back(); }
     int node_count() const { return nodes_; }
     int dimension() const { return dimension_; }
-    const std::vector<int>& dependent() const { return dependent_; }  ///< nodes that are no unknowns: held ones, of an embedded solid all its own
-    void complete(Eigen::Ref<NodeField> u) const { embedding_.interpolate(u); }   ///< an embedded solid's own rows from the lattice's (N x .)
+    /// nodes that are not unknowns: the fixed ones, or all own nodes of an embedded solid
+    const std::vector<int>& dependent() const { return dependent_; }
+    /// sets an embedded solid's own rows from those of its lattice (N x .)
+    void complete(Eigen::Ref<NodeField> u) const { embedding_.interpolate(u); }
 
     double energy(const Eigen::VectorXd& constants, const NodeField& u) const;  ///< W [J]
-    NodeField force(const Eigen::VectorXd& constants, const NodeField& u) const;  ///< dW/du: what holds u [N] (N x D)
+    /// dW/du: external force that holds u [N] (N x D)
+    NodeField force(const Eigen::VectorXd& constants, const NodeField& u) const;
     Eigen::SparseMatrix<double> tangent(const Eigen::VectorXd& constants, const NodeField& u) const;  ///< (N*D x N*D)
 
-    /// Smallest area, of a lattice's square or a shape's triangle, or volume of a cell in space, over that at rest: 0 or
-    /// less, and it has turned inside out, where what lies around a node may still have its area.
+    /// Smallest ratio of current to rest area (of a lattice's squares or a shape's triangles) or volume (of cells in
+    /// space). A cell is inverted if it is 0 or less. The cell around a node may conserve its area although one of its
+    /// triangles is inverted.
     double smallest_ratio(const NodeField& u) const;
 
    private:
     std::unique_ptr<CellAreas> areas_;       ///< in the plane
-    const CellVolumes* volumes_ = nullptr;   ///< in space: of kinds_
+    const CellVolumes* volumes_ = nullptr;   ///< in space: the element of kinds_
     std::vector<std::unique_ptr<Elements>> kinds_;
     std::vector<int> first_;
     Embedding embedding_;

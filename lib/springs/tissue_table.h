@@ -4,11 +4,11 @@
 
 namespace tissue {
 
-/// What each dataset of TissueModel in model.h5 is and must be: writer, reader and tests walk it. Beside it, read_model
-/// asks for a mesh without fault (mesh/mesh_fault.h), contacts on its outline and a law that is known.
+/// Description and constraints of each dataset of TissueModel in model.h5; writer, reader and tests use it. read_model
+/// also requires a valid mesh (mesh/mesh_fault.h), contacts on its surface and a known spring law.
 const DatasetTable& tissue_table(bool solid = false);
 
-/// Those that stand there when the stiffness is sets, and those when it is a law.
+/// Datasets of a model with spring sets, and of one with an energy model.
 const DatasetTable& sets_table();
 const DatasetTable& law_table(bool solid = false);
 

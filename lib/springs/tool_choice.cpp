@@ -27,9 +27,10 @@ ToolChoice tool_choice(const std::string& text) {
     const auto ends_in = [&](const std::string& unit) { return radius.size() > unit.size() && radius.compare(radius.size() - unit.size(), unit.size(), unit) == 0; };
     const bool is_mm = ends_in("mm");
     if (is_mm || ends_in("m")) radius.resize(radius.size() - (is_mm ? 2 : 1));
-    if (is_mm) radius += "e-3";  // not a division: 4.2mm is 0.0042, to the last bit
+    // not a division: 4.2mm must give exactly 0.0042
+    if (is_mm) radius += "e-3";
     const auto [end, error] = std::from_chars(radius.data(), radius.data() + radius.size(), tool.radius_m);
-    if (error != std::errc() || end != radius.data() + radius.size()) refuse("the radius is no number of metres, or of mm");
+    if (error != std::errc() || end != radius.data() + radius.size()) refuse("the radius is not a number of m or mm");
     if (!(tool.radius_m > 0 && tool.radius_m < 1)) refuse("the radius must lie in (0, 1) m");
     return tool;
 }

@@ -4,11 +4,11 @@
 
 namespace tissue {
 
-/// The rigid tool that a session presses with, in space: a disc of the tissue model (springs/disc_contact.h) or a ball.
+/// Rigid tool of a session in space: a disc of the tissue model (springs/disc_contact.h) or a ball.
 struct ToolChoice {
     enum class Shape { disc, ball };
     Shape shape = Shape::disc;
-    double radius_m = 0;  ///< 0: of the model's own disc
+    double radius_m = 0;  ///< 0: the model's own disc
 
     bool is_default() const { return shape == Shape::disc && radius_m == 0; }
     bool operator==(const ToolChoice& other) const { return shape == other.shape && radius_m == other.radius_m; }
@@ -16,8 +16,9 @@ struct ToolChoice {
 
 const char* to_string(ToolChoice::Shape shape);
 
-/// "disc", "disc:5mm", "ball:4mm", "ball:0.004": a shape and its radius, in metres or with the unit mm. Throws MismatchError for another text, a radius outside (0, 1) m, and a ball without one.
+/// Parses "disc", "disc:5mm", "ball:4mm", "ball:0.004": a shape and its radius, in metres or with the unit m or mm.
+/// Throws MismatchError for any other text, a radius outside (0, 1) m, and a ball without radius.
 ToolChoice tool_choice(const std::string& text);
-std::string to_string(const ToolChoice& tool);  ///< which tool_choice() reads as the same
+std::string to_string(const ToolChoice& tool);  ///< inverse of tool_choice()
 
 }  // namespace tissue

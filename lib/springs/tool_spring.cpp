@@ -7,12 +7,13 @@
 #include <cmath>
 
 #include "error.h"
+#include "springs/contact_coupling.h"
 
 namespace tissue {
 
 ToolMemory::ToolMemory(const Eigen::VectorXd& tau_s, const Eigen::VectorXd& share, double dt_s) : branches_(static_cast<int>(tau_s.size())) {
     static_assert(most_groups == ToolSpring::most_nodes + 1);
-    if (branches_ > most_branches) throw MismatchError(fmt::format("a contact of {} branches; the tick has room for {}", branches_, most_branches));
+    if (branches_ > most_branches) throw MismatchError(fmt::format("a contact has {} Maxwell branches; a tick supports at most {}", branches_, most_branches));
     for (int k = 0; k < branches_; ++k) {
         decay_[k] = std::exp(-dt_s / tau_s[k]);
         const double mean = -std::expm1(-dt_s / tau_s[k]) * tau_s[k] / dt_s;
@@ -61,6 +62,8 @@ void ToolSpring::begin(int dimension, const Point& inward) noexcept {
     groups_ = nodes_ = 0;
     inward_ = in_space(inward);
     hardening_1_J_ = saturation_1_J_ = coupling_N_m2_ = 0;
+    in_compression_ = false;
+    coupling_bound_1_m_ = 0;
     growth_ = {};
     imprint_N_m_.setZero();
 }
@@ -85,7 +88,9 @@ bool ToolSpring::add_node(int node, double weight) noexcept {
     return true;
 }
 
-void ToolSpring::harden(double hardening_1_J, double saturation_1_J, double coupling_N_m2) noexcept {
+void ToolSpring::harden(double hardening_1_J, double saturation_1_J, double coupling_N_m2, bool in_compression, double coupling_bound_1_m) noexcept {
+    in_compression_ = in_compression;
+    coupling_bound_1_m_ = coupling_bound_1_m;
     hardening_1_J_ = hardening_1_J;
     saturation_1_J_ = saturation_1_J;
     coupling_N_m2_ = coupling_N_m2;
@@ -97,7 +102,7 @@ Eigen::Vector3d ToolSpring::in_space(const Point& p) const noexcept {
     return v;
 }
 
-/// What a push stretches.
+/// Stretch of the contact's spring by a tool displacement.
 Eigen::Vector3d ToolSpring::stretch(const Point& push) const noexcept { return in_space(push) - growth_.anchor_m; }
 
 Eigen::Vector3d ToolSpring::tissue(const Group& group, const NodeColumns& u) const noexcept {
@@ -111,17 +116,20 @@ Eigen::Vector3d ToolSpring::gap(const Group& group, const Eigen::Vector3d& push,
     return group.target * push - tissue(group, u);
 }
 
-/// Of the first group's gap: as ContactSpring's State.
+/// Hardening and coupling terms at the first group's gap, as in ContactSpring::State.
 ToolSpring::Hardening ToolSpring::hardened(const Eigen::Vector3d& gap) const noexcept {
     Hardening h{};
-    h.pull = group_[0].stiffness * gap;
+    const Eigen::Matrix3d& k = group_[0].stiffness;
+    const double in = inward_.dot(gap);
+    h.stiffness = !in_compression_ ? k : in > 0 ? Eigen::Matrix3d(inward_.dot(k * inward_) * inward_ * inward_.transpose()) : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+    h.pull = h.stiffness * gap;
     h.s = h.pull.dot(gap) / 2;
     const double room = 1 + saturation_1_J_ * h.s;
     h.rise = hardening_1_J_ * (h.s + saturation_1_J_ * h.s * h.s / 2) / (room * room);
     h.bend = hardening_1_J_ / (room * room * room);
-    const double in = inward_.dot(gap);
     const Eigen::Vector3d across = gap - in * inward_;
-    h.slope = h.rise * h.pull + coupling_N_m2_ * (across.squaredNorm() / 2 * inward_ + in * across);
+    const ContactCoupling c(in, coupling_bound_1_m_);
+    h.slope = h.rise * h.pull + coupling_N_m2_ * (c.slope * across.squaredNorm() / 2 * inward_ + c.s * across);
     return h;
 }
 
@@ -136,7 +144,7 @@ Eigen::Vector3d ToolSpring::felt_N(int group, const Eigen::Vector3d& e, const To
     return memory ? memory->felt_N(group, now_N(group, e)) : now_N(group, e);
 }
 
-/// dE/dd, however large.
+/// dE/dd, not limited.
 Eigen::Vector3d ToolSpring::whole_N(const Eigen::Vector3d& push, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     Eigen::Vector3d hand = Eigen::Vector3d::Zero();
     if (growth_.radius_m > 0) hand += growth_.force_N * inward_;
@@ -144,15 +152,16 @@ Eigen::Vector3d ToolSpring::whole_N(const Eigen::Vector3d& push, const NodeColum
     return hand;
 }
 
-/// q: the push of a tool that shows no more than the largest force.
+/// q: displacement of the tool when its force is limited.
 Eigen::Vector3d ToolSpring::shown(const Eigen::Vector3d& push, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     return std::isinf(most_N_) ? push : stay_behind(push, whole_N(push, u, memory), u, memory);
 }
 
-/// The same, of a push whose force is known: where dE/dd(q) = F (p - q) / |p - q|, by Newton with halved steps. Only the first group is not linear in q, so each step looks at that one alone.
+/// The same for a known force at `push`: solves dE/dd(q) = F (p - q) / |p - q| by Newton's method with halved steps.
+/// Only the first group is nonlinear in q, so each step evaluates that group alone.
 Eigen::Vector3d ToolSpring::stay_behind(const Eigen::Vector3d& push, const Eigen::Vector3d& whole, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     constexpr int most_steps = 30, most_halvings = 10;
-    constexpr double near = 1e-9;  // of F
+    constexpr double near = 1e-9;  // over F
     const double size = whole.norm();
     if (!(size > most_N_ * (1 + near))) return push;
     const Group& first = group_[0];
@@ -169,7 +178,17 @@ Eigen::Vector3d ToolSpring::stay_behind(const Eigen::Vector3d& push, const Eigen
     const auto off = [&](const Eigen::Vector3d& q) { return Eigen::Vector3d(force(q) - most_N_ * (push - q).normalized()); };
     const Eigen::Vector3d along = whole / size;
     Eigen::Vector3d q = push - (size - most_N_) / along.dot(stiffness(push) * along) * along;
-    if (!((push - q).dot(along) > 0)) return push;
+    // where Newton's method fails: on the line from the tissue to the tool, the last point before which the force exceeds F
+    const auto on_the_line = [&] {
+        const Eigen::Vector3d from = tissue(first, u);
+        double low = 0, high = 1;
+        for (int half = 0; half < most_steps; ++half) {
+            const double middle = (low + high) / 2;
+            (force(from + middle * (push - from)).norm() > most_N_ ? high : low) = middle;
+        }
+        return Eigen::Vector3d(from + low * (push - from));
+    };
+    if (!((push - q).dot(along) > 0)) return on_the_line();
     Eigen::Vector3d wrong = off(q);
     for (int step = 0; step < most_steps && wrong.norm() > near * most_N_; ++step) {
         const Eigen::Vector3d behind = push - q;
@@ -187,10 +206,10 @@ Eigen::Vector3d ToolSpring::stay_behind(const Eigen::Vector3d& push, const Eigen
         }
         if (!nearer) break;
     }
-    return q;
+    return force(q).norm() > most_N_ * (1 + 1e-3) ? on_the_line() : q;
 }
 
-Point ToolSpring::hand_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
+Point ToolSpring::tool_force_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {
     const Eigen::Vector3d push = stretch(push_m), whole = whole_N(push, u, memory);
     if (!(whole.norm() > most_N_)) return whole.head(dimension_);
     return whole_N(stay_behind(push, whole, u, memory), u, memory).head(dimension_);
@@ -250,20 +269,22 @@ double ToolSpring::energy_J(const Point& push_m, const NodeColumns& u, const Too
         if (g > 0) continue;
         const Hardening h = hardened(e);
         const double in = inward_.dot(e);
-        energy += hardening_1_J_ * h.s * h.s / (2 * (1 + saturation_1_J_ * h.s)) + coupling_N_m2_ * in * (e - in * inward_).squaredNorm() / 2;
+        energy += hardening_1_J_ * h.s * h.s / (2 * (1 + saturation_1_J_ * h.s)) + coupling_N_m2_ * ContactCoupling(in, coupling_bound_1_m_).s * (e - in * inward_).squaredNorm() / 2;
     }
     const double behind_m = (stretch(push_m) - push).norm();
     return (memory ? memory->left() * energy + past : energy) + (behind_m > 0 ? most_N_ * behind_m : 0);
 }
 
-/// Second derivative of the first group's energy by d, where its gap is e.
+/// Second derivative by d of the first group's energy at the gap e.
 Eigen::Matrix3d ToolSpring::first_stiffness(const Eigen::Vector3d& e) const noexcept {
     const Hardening h = hardened(e);
     const double in = inward_.dot(e);
     const Eigen::Vector3d across = e - in * inward_;
     Eigen::Matrix3d k = group_[0].stiffness;
-    k += h.rise * k + h.bend * h.pull * h.pull.transpose();
-    k += coupling_N_m2_ * (inward_ * across.transpose() + across * inward_.transpose() + in * (Eigen::Matrix3d::Identity() - inward_ * inward_.transpose()));
+    k += h.rise * h.stiffness + h.bend * h.pull * h.pull.transpose();
+    const ContactCoupling c(in, coupling_bound_1_m_);
+    const Eigen::Matrix3d nn = inward_ * inward_.transpose();
+    k += coupling_N_m2_ * (c.curvature * across.squaredNorm() / 2 * nn + c.slope * (inward_ * across.transpose() + across * inward_.transpose()) + c.s * (Eigen::Matrix3d::Identity() - nn));
     return group_[0].target.transpose() * k * group_[0].target;
 }
 
@@ -275,7 +296,8 @@ PointMatrix ToolSpring::stiffness_N_m(const Point& push_m, const NodeColumns& u,
     const Eigen::Vector3d push = stretch(push_m), q = shown(push, u, memory), behind = push - q;
     Eigen::Matrix3d stiffness = (memory ? memory->left() : 1.0) * curvature(q, u);
     const double length = behind.norm();
-    if (length > 0) {  // in series with F |p - q|, whose own stiffness this is
+    // in series with F |p - q|, whose second derivative is `turning`
+    if (length > 0) {
         if (dimension_ == 2) stiffness(2, 2) = 1;
         const Eigen::Matrix3d turning = most_N_ / length * (Eigen::Matrix3d::Identity() - behind * behind.transpose() / (length * length));
         stiffness = turning - turning * (stiffness + turning).inverse() * turning;

@@ -5,7 +5,7 @@
 namespace tissue {
 namespace {
 
-constexpr double no_length_m = 1e-12;  ///< a spring is never shorter
+constexpr double no_length_m = 1e-12;  ///< least length of a spring
 
 }  // namespace
 
@@ -17,7 +17,7 @@ TurningSprings::TurningSprings(const SpringMesh& mesh, const SpringCurve& curve)
     }
 }
 
-/// l - L = (l^2 - L^2) / (l + L): nothing cancels, and a tissue at rest has no force at all.
+/// l - L = (l^2 - L^2) / (l + L): no cancellation, and exactly zero force at rest.
 double TurningSprings::drawn_out(int e, const NodeField& u, double length) const {
     const auto relative = u.row(nodes()(e, 0)) - u.row(nodes()(e, 1));
     return std::max(relative.dot(2 * span_.row(e) + relative) / (length + length_[e]), no_length_m - length_[e]);
@@ -32,7 +32,8 @@ void TurningSprings::force(int e, const NodeField& u, ElementVector& out) const 
     out.setZero(2 * D);
     out.head(D) = (span_.row(e) + u.row(nodes()(e, 0)) - u.row(nodes()(e, 1))).transpose();
     const double length = out.head(D).norm();
-    out.head(D) *= length > 0 ? curve_.secant(length_[e], drawn_out(e, u, length)) : 0;  // two nodes on one spot: no direction to push in
+    // two nodes at the same place define no direction
+    out.head(D) *= length > 0 ? curve_.secant(length_[e], drawn_out(e, u, length)) : 0;
     out.tail(D) = -out.head(D);
 }
 

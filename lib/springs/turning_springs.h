@@ -5,7 +5,8 @@
 
 namespace tissue {
 
-/// Springs along their current direction, each of one curve: Hooke's store theta (l - L)^2 / 2, l now, L at rest. They turn with the tissue.
+/// Springs along their current direction with one force curve. Hooke's store theta (l - L)^2 / 2, with the current
+/// length l and the rest length L. They rotate with the tissue.
 class TurningSprings final : public Elements {
    public:
     TurningSprings(const SpringMesh& mesh, const SpringCurve& curve);

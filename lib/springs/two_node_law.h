@@ -7,13 +7,13 @@
 
 namespace tissue {
 
-/// Every law of a two-node spring, from what one spring does. Kind has:
-///   name, linear, axes_apart, turns      what SpringLaw says of them, static
+/// Implements SpringLaw for two-node springs from the behaviour of one spring. Kind has:
+///   name, linear, axes_apart, turns      static: properties as in SpringLaw
 ///   force(rest, relative)                on the first end per unit stiffness; the second gets the opposite
 ///   stiffness(rest, relative, convex)    d force / d relative
-///   energy(rest, relative)
-///   in_space                             whether pull() plays in space
-///   of                                   of springs that turn, their SpringCurve
+///   energy(rest, relative)               per unit stiffness
+///   in_space                             static: whether pull() supports three dimensions
+///   of                                   SpringCurve of springs that turn
 ///   pull(run, n)                         the same force for many springs at once
 /// Vectors have two or three entries; none of these allocates.
 template <class Kind>
@@ -92,7 +92,7 @@ class TwoNodeLaw final : public SpringLaw {
     static Vector between(const NodeField& field, int i, int j) { return (field.row(i) - field.row(j)).transpose(); }
 };
 
-/// The square matrix that goes with a vector of two or three entries.
+/// The square matrix type for a vector of two or three entries.
 template <class Vector>
 using SquareOf = Eigen::Matrix<double, Vector::RowsAtCompileTime, Vector::RowsAtCompileTime, Eigen::ColMajor,
                                Vector::MaxRowsAtCompileTime, Vector::MaxRowsAtCompileTime>;

@@ -46,7 +46,8 @@ bool in_space(const toml::table& tables) {
     return tables["geometry"]["length_m"] || tables["geometry"]["solid"];
 }
 
-/// Keys of [training] that belong to one kind of stiffness alone; `ridge` means another thing in each.
+/// Keys of [training] that belong to one kind of stiffness alone. `ridge` is in both lists, because its meaning
+/// differs.
 const std::vector<std::string> sets_keys = {"training.optimizer",   "training.also",            "training.objective",
                                             "training.ridge",       "training.iterations",      "training.max_seconds",
                                             "training.target_rel_loss", "training.k_min_E2",    "training.k_max_E2",
@@ -62,46 +63,46 @@ const std::vector<Rule>& rules() {
     static const std::vector<Rule> all = {
         {{"`geometry.shape` = a file",
           {"geometry.width_m", "geometry.height_m", "geometry.length_m", "geometry.trust_geo", "geometry.bed_Pa_m", "lattice", "springs.spacing_m", "nodule", "map"},
-          "size, bed, lattice and nodule are of the base's tissue; trust is of one file"},
+          "size, bed, lattice and nodule belong to the base's tissue; trust belongs to one file"},
          gives_file},
-        {{"`geometry.shape` = \"block\"", {"geometry.unit_m", "geometry.fixed", "geometry.bed_Pa_m", "geometry.solid", "geometry.trust_geo", "lattice"}, "they are of a shape"},
+        {{"`geometry.shape` = \"block\"", {"geometry.unit_m", "geometry.fixed", "geometry.bed_Pa_m", "geometry.solid", "geometry.trust_geo", "lattice"}, "they belong to a shape"},
          gives("geometry.shape", "block")},
         {{"`geometry.length_m` or `geometry.solid`, over a base in the plane",
           {"geometry.thickness_m", "material.formulation", "mesh", "indenter", "loads", "draws", "histories", "springs", "training", "variants",
            "data"},
-          "they are of the plane"},
+          "they belong to the plane"},
          [](const toml::table& study, const toml::table& base) { return in_space(study) && !in_space(base); }},
         {{"`geometry.thickness_m`, over a base in space",
           {"geometry.length_m", "geometry.solid", "mesh", "indenter", "loads", "draws", "histories", "springs", "training", "variants", "nodule",
            "map"},
-          "they are of space"},
+          "they belong to space"},
          [](const toml::table& study, const toml::table& base) { return study["geometry"]["thickness_m"] && !in_space(study) && in_space(base); }},
         {{"`material.preset`",
           {"material.law", "material.C1_Pa", "material.C2_Pa", "material.mu_Pa", "material.alpha", "material.density_kg_m3", "material.regions",
            "material.viscosity", "material.moduli"},
-          "the preset has its own; regions and branches are of the base's tissue"},
+          "the preset has its own; regions and Maxwell branches belong to the base's tissue"},
          gives("material.preset")},
-        {{"`material.law`", {"material.preset", "material.regions", "material.viscosity", "material.moduli"}, "they are of the base's tissue"},
+        {{"`material.law`", {"material.preset", "material.regions", "material.viscosity", "material.moduli"}, "they belong to the base's tissue"},
          gives("material.law")},
-        {{"`material.law` = \"mooney-rivlin\"", {"material.mu_Pa", "material.alpha"}, "they are Ogden's"}, gives("material.law", "mooney-rivlin")},
-        {{"`material.law` = \"neo-Hookean\"", {"material.C2_Pa", "material.mu_Pa", "material.alpha"}, "they are of other laws"},
+        {{"`material.law` = \"mooney-rivlin\"", {"material.mu_Pa", "material.alpha"}, "they belong to Ogden's law"}, gives("material.law", "mooney-rivlin")},
+        {{"`material.law` = \"neo-Hookean\"", {"material.C2_Pa", "material.mu_Pa", "material.alpha"}, "they belong to other laws"},
          gives("material.law", "neo-Hookean")},
-        {{"`material.law` = \"ogden\"", {"material.C1_Pa", "material.C2_Pa"}, "they are of other laws"}, gives("material.law", "ogden")},
-        {{"`material.preset`, `law` or `viscosity`", {"material.regions.*.viscosity", "nodule.viscosity"}, "their `tau_s` are the base's"},
+        {{"`material.law` = \"ogden\"", {"material.C1_Pa", "material.C2_Pa"}, "they belong to other laws"}, gives("material.law", "ogden")},
+        {{"`material.preset`, `law` or `viscosity`", {"material.regions.*.viscosity", "nodule.viscosity"}, "their `tau_s` belong to the base"},
          either(gives("material.preset"), either(gives("material.law"), gives("material.viscosity")))},
         {{"`material.viscosity` = []", {"material.moduli"}, "elastic tissue has no `moduli`"},
          [](const toml::table& study, const toml::table&) { return gives_list(study, "material", "viscosity", true); }},
-        {{"`springs.topology`, not \"embedded\"", {"springs.spacing_m"}, "it is of an embedded lattice"},
+        {{"`springs.topology`, not \"embedded\"", {"springs.spacing_m"}, "it belongs to an embedded lattice"},
          [](const toml::table& study, const toml::table&) {
              const auto topology = study["springs"]["topology"].value<std::string>();
              return topology && *topology != "embedded";
          }},
-        {{"`springs.stiffness` = \"law\"", std::vector<std::string>{"springs.law", "variants"} + sets_keys, "they are of spring sets"},
+        {{"`springs.stiffness` = \"law\"", std::vector<std::string>{"springs.law", "variants"} + sets_keys, "they belong to spring sets"},
          gives("springs.stiffness", "law")},
         {{"`springs.stiffness` = \"sets\"", std::vector<std::string>{"springs.terms", "springs.area_cap_E2", "springs.curve", "variants"} + law_keys,
-          "they are of an energy model"},
+          "they belong to an energy model"},
          gives("springs.stiffness", "sets")},
-        {{"`nodule.shape`", {"nodule.centre_m", "nodule.radius_m"}, "they are a ball's"}, gives("nodule.shape")},
+        {{"`nodule.shape`", {"nodule.centre_m", "nodule.radius_m"}, "they belong to a ball"}, gives("nodule.shape")},
         {{"`nodule.centre_m`", {"nodule.shape"}, "a ball has no file"}, gives("nodule.centre_m")},
         {{"`data`", {"mesh", "indenter", "solver", "loads", "draws", "histories", "variants", "nodule", "map", "training.shape_scale"},
           "a study of measured forces has no finite elements"},
@@ -110,15 +111,15 @@ const std::vector<Rule>& rules() {
         {{"`loads.sweep`", {"loads.paths"}, "contacts are swept or listed"}, gives("loads.sweep")},
         {{"`loads.paths`, not empty", {"loads.sweep", "draws", "variants"}, "contacts are listed; draws and variants need a sweep"},
          [](const toml::table& study, const toml::table&) { return gives_list(study, "loads", "paths", false); }},
-        {{"`loads.contacts`", {"loads.spread", "variants"}, "contacts are listed; variants count the base's"}, gives("loads.contacts")},
-        {{"`loads.spread`", {"loads.contacts", "variants"}, "contacts are spread; variants count the base's"}, gives("loads.spread")},
+        {{"`loads.contacts`", {"loads.spread", "variants"}, "contacts are listed; variants refer to the base's contacts"}, gives("loads.contacts")},
+        {{"`loads.spread`", {"loads.contacts", "variants"}, "contacts are spread; variants refer to the base's contacts"}, gives("loads.spread")},
         {{"`loads.sweep.spacing_m`", {"loads.sweep.arcs_m"}, "contacts are spaced"}, gives("loads.sweep.spacing_m")},
         {{"`loads.sweep.arcs_m`", {"loads.sweep.spacing_m"}, "contacts are listed"}, gives("loads.sweep.arcs_m")},
     };
     return all;
 }
 
-/// Erases "a.b.c"; '*' is every name there.
+/// Erases the key "a.b.c"; '*' in place of a part stands for every name.
 void erase(toml::table& table, const std::string& key) {
     const std::size_t dot = key.find('.');
     if (dot == std::string::npos) {
@@ -141,7 +142,7 @@ toml::table parse_chain(const std::string& file, int depth) {
     const std::filesystem::path path = std::filesystem::path(file).parent_path() / (based_on->as_string()->get() + ".toml");
     toml::table base = parse_chain(path.string(), depth + 1);
     table.erase("based_on");
-    std::vector<const Rule*> applied;  // first all are asked: what one drops does not decide about another
+    std::vector<const Rule*> applied;  // collected before any key is dropped, so that no rule depends on another
     for (const Rule& rule : rules())
         if (rule.applies(table, base)) applied.push_back(&rule);
     for (const Rule* rule : applied)

@@ -7,26 +7,29 @@
 
 namespace tissue {
 
-/// What a study leaves out of the study that it is based on: where the study gives `given`, the base's keys `dropped` do not count,
-/// because they would contradict it. What no rule names is the base's unless the study gives it.
+/// Rule for a study that is based on another one: where the study gives `given`, the base's keys `dropped` are ignored,
+/// because they would contradict it. A key that no rule drops is taken from the base unless the study gives it.
 struct BaseRule {
-    std::string given;                 ///< key of the study, and its value where that matters
+    std::string given;                 ///< key of the study, with its value where the rule depends on it
     std::vector<std::string> dropped;  ///< keys and whole tables of the base; '*' stands for every name
     std::string why;
 };
 
-/// Every rule, in the order in which they are applied. results/FORMATS.md has the same table (tests/study/test_based_on.cpp).
+/// All rules, in the order in which they are applied. results/FORMATS.md has the same table
+/// (tests/study/test_based_on.cpp).
 std::vector<BaseRule> base_rules();
 
-/// One TOML file of a study or a material. Throws FileError where there is none, StudyError for what is not TOML.
+/// Parses the TOML file of a study or a material. Throws FileError where there is no file, StudyError where it is not
+/// TOML.
 toml::table parse_study_file(const std::string& file);
 
-/// A study's tables over those of the study that it is based on, by the rules above; lists are replaced whole. Every key knows the
-/// file and line where it stands, and a table that both have is the study's.
-/// Throws as parse_study_file; StudyError for a circle.
+/// A study's tables, completed by those of the study that it is based on, by the rules above. A list is replaced as a
+/// whole. Every key keeps the file and line that it comes from; a table that both have keeps the study's.
+/// Throws as parse_study_file; StudyError where `based_on` is no text, or for a chain of more than 9 bases (a circle).
 toml::table parse_with_base(const std::string& file);
 
-/// Adds to `table` what it does not have of `base`. Nodes are moved: a copy forgets its file and line.
+/// Adds to `table` the keys of `base` that it does not have, also within tables that both have. Nodes are moved,
+/// because a copy of a node loses its file and line.
 void underlay(toml::table& table, toml::table&& base);
 
 }  // namespace tissue

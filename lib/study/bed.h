@@ -2,9 +2,10 @@
 
 namespace tissue {
 
-constexpr unsigned most_beds = 40;  ///< of different stiffness in one study
+constexpr unsigned most_beds = 40;  ///< largest number of different bed stiffnesses in one study
 
-/// Stiffness per area of an elastic bed [Pa/m]: on a softer one tissue floats, on a stiffer one it is held.
+/// Range of the stiffness per area of an elastic bed [Pa/m]. A softer bed hardly supports the tissue, a stiffer one
+/// acts as a rigid support.
 constexpr double bed_least_Pa_m = 10, bed_most_Pa_m = 1e9;
 
 }  // namespace tissue

@@ -12,7 +12,7 @@
 namespace tissue {
 namespace {
 
-constexpr double least_rise_s = 0.005, longest_s = 600;  // no hand is faster, and no FE goes on for longer
+constexpr double least_rise_s = 0.005, longest_s = 600;  // no hand moves faster; a longer FE solve takes too much time
 constexpr double steepest_deg = 75, steepest_tilt_deg = 90;
 
 void read_range(TomlReader& in, const char* key, const Range& allowed, double (&out)[2]) {
@@ -21,10 +21,10 @@ void read_range(TomlReader& in, const char* key, const Range& allowed, double (&
     std::copy(range.begin(), range.end(), out);
 }
 
-/// Where and how deep courses of a group are drawn.
+/// Reads where and how deep the trajectories of a group are drawn.
 void read_contacts(TomlReader& in, const Study& study, Study::Histories& h) {
     const bool solid = study.geometry.is_solid();
-    if (!solid && !study.loads.sweep) in.refuse("kind", "'" + h.kind + "' needs a study with loads.sweep, which says where contacts may be drawn");
+    if (!solid && !study.loads.sweep) in.refuse("kind", "'" + h.kind + "' needs a study with loads.sweep, which states where contacts may be drawn");
     read_seed_and_count(in, h);
     for (const Study::Draws& other : study.draws)
         if (other.seed == h.seed) in.refuse("seed", "is also that of draws." + other.role + ": the contacts would be the same");
@@ -51,10 +51,10 @@ void read_times(TomlReader& in, const Study& study, Study::Histories& h) {
         h.wander_deg = in.number("wander_deg", not_negative);
         const double off_deg = solid ? h.tilt_deg[1] : h.max_angle_deg, most_deg = solid ? steepest_tilt_deg : steepest_deg;
         if (off_deg + h.wander_deg > most_deg)
-            in.refuse("wander_deg", fmt::format("beside {} = {:g} it must be at most {:g}, so that strokes stay within {:g} degrees off the normal",
+            in.refuse("wander_deg", fmt::format("with {} = {:g} it must be at most {:g}, so that directions stay within {:g} degrees of the normal",
                                                 solid ? "tilt_deg" : "max_angle_deg", off_deg, most_deg - off_deg, most_deg));
     }
-    if (h.kind == "again" && solid && in.has("apart_m")) in.refuse("apart_m", "belongs to the plane; in space the second touch is where the first was");
+    if (h.kind == "again" && solid && in.has("apart_m")) in.refuse("apart_m", "is possible only in the plane; in space the second contact is the first one");
     if (h.kind == "again" && !solid) h.apart_m = in.optional_number("apart_m", not_negative).value_or(0);
 }
 
@@ -90,9 +90,9 @@ void read_histories(TomlReader& in, Study& study) {
     for (TomlReader& group : in.tables("histories")) {
         Study::Histories h{};
         h.name = group.text("name");
-        if (!is_plain_name(h.name)) group.refuse("name", "must be of lower-case letters, digits and '-'");
+        if (!is_plain_name(h.name)) group.refuse("name", "must have only lower-case letters, digits and '-'");
         for (const Study::Histories& other : study.histories)
-            if (other.name == h.name) group.refuse("name", "'" + h.name + "' stands twice");
+            if (other.name == h.name) group.refuse("name", "'" + h.name + "' is present twice");
         h.kind = group.choice("kind", {"ramp", "release", "sine", "poke", "again", "file"});
         h.role = group.has("role") ? group.choice("role", {"held_out", "validation", "train"}) : "held_out";
         if (h.kind == "file") {

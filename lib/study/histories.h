@@ -5,7 +5,7 @@
 
 namespace tissue {
 
-/// [[histories]] of a study whose loads and draws are read already. Refuses as TomlReader does.
+/// Reads [[histories]] into a study whose loads and draws are read already. Throws StudyError as TomlReader does.
 void read_histories(TomlReader& in, Study& study);
 
 }  // namespace tissue

@@ -5,13 +5,13 @@
 
 namespace tissue {
 
-/// What a study file can name and who knows the names: declared here, where the reader asks, and defined beside the
-/// registries of those who make the things, so that every kind is named once and the reader needs nothing below it.
+/// Names of objectives and optimisers that a study file may give. They are declared here and defined beside their
+/// registries in lib/train, so that the reader of studies does not depend on that module.
 
-/// Names of the objectives of training, of the registry in train/objective.cpp.
+/// Names of the training objectives in the registry of train/objective.cpp.
 std::vector<std::string> objective_names();
 
-/// Names of the optimisers, of the registry in train/optimizer.cpp.
+/// Names of the optimisers in the registry of train/optimizer.cpp.
 std::vector<std::string> optimizer_names();
 
 }  // namespace tissue

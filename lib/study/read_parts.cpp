@@ -11,10 +11,10 @@
 namespace tissue {
 namespace {
 
-/// Whether a text file, as a README.md, has a name in it.
+/// Whether a text file contains `name` between backquotes.
 bool names_file(const std::string& readme, const std::string& name) {
     std::error_code error;
-    if (!std::filesystem::is_regular_file(readme, error)) return false;  // one that blocks, for instance
+    if (!std::filesystem::is_regular_file(readme, error)) return false;  // reading a pipe, for instance, would block
     std::ifstream in(readme);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     return text.find("`" + name + "`") != std::string::npos;
@@ -28,7 +28,7 @@ std::string file_beside(const TomlReader& in, const std::string& key, const std:
     if (std::filesystem::is_regular_file(file, error)) return file;
     const std::filesystem::path path(file);
     const std::string readme = (path.parent_path() / "README.md").string();
-    in.refuse(key, "there is no file " + file + (names_file(readme, path.filename().string()) ? "; " + readme + " says where to get it" : ""));
+    in.refuse(key, "there is no file " + file + (names_file(readme, path.filename().string()) ? "; " + readme + " states where to get it" : ""));
 }
 
 bool is_multiple(double value, double step) {
@@ -70,8 +70,8 @@ Study::Loads read_magnitudes(TomlReader& in, const Study::Geometry& geometry) {
     }
     const double longest_m = std::max({geometry.width_m, geometry.length_m, geometry.height_m});
     if (geometry.is_block() && loads.depth_m() > longest_m)
-        in.refuse("magnitudes_m", fmt::format("goes to {:g} mm, and the block is {:g} mm long", 1e3 * loads.depth_m(), 1e3 * longest_m));
-    constexpr double most_records = 10'000;  // every one a file's rows, and work
+        in.refuse("magnitudes_m", fmt::format("goes to {:g} mm, beyond the block's length of {:g} mm", 1e3 * loads.depth_m(), 1e3 * longest_m));
+    constexpr double most_records = 10'000;  // each costs an FE solve and rows of a file
     if (const double records = loads.depth_m() / loads.record_step_m; records > most_records)
         in.refuse("record_step_m", fmt::format("makes {:.6g} records; at most {:.0f} are allowed", records, most_records));
     return loads;
@@ -85,7 +85,7 @@ void read_seed_and_count(TomlReader& draw, Study::Draws& d) {
 void read_depth(TomlReader& draw, const Study& study, Study::Draws& d) {
     const std::vector<double> depth = draw.numbers("depth_m", 2, positive);
     if (depth[0] > depth[1] || depth[1] > study.loads.depth_m())
-        draw.refuse("depth_m", "must be [smallest, largest], the largest not beyond loads.magnitudes_m");
+        draw.refuse("depth_m", "must be [smallest, largest], the largest at most that of loads.magnitudes_m");
     std::copy(depth.begin(), depth.end(), d.depth_m);
 }
 

@@ -39,7 +39,7 @@ bool has_depth(const ShapeExtent& shape) {
 
 // ---- .msh
 
-/// The next number; a file that ends or has something else there is refused.
+/// Reads a number. Throws FileError where the section ends or contains something else.
 template <class Number>
 Number next(std::istringstream& in, const std::string& file, const char* section) {
     Number value{};
@@ -50,7 +50,7 @@ Number next(std::istringstream& in, const std::string& file, const char* section
 std::istringstream section_of(const std::string& text, const std::string& file, const std::string& name) {
     const std::size_t at = text.find("$" + name + "\n"), carriage = text.find("$" + name + "\r\n");
     const std::size_t begin = std::min(at, carriage), end = text.find("$End" + name, begin == std::string::npos ? 0 : begin);
-    if (begin == std::string::npos || end == std::string::npos) throw FileError(fmt::format("{}: has no ${} that ends", file, name));
+    if (begin == std::string::npos || end == std::string::npos) throw FileError(fmt::format("{}: has no complete ${} section", file, name));
     const std::size_t line = text.find('\n', begin) + 1;
     return std::istringstream(text.substr(line, end - line));
 }
@@ -73,7 +73,8 @@ void read_points(const std::string& text, const std::string& file, bool blocks, 
     for (long e = 0; e < entities; ++e) {
         const long dimension = count();
         count();
-        const long parameters = count() != 0 ? dimension : 0;  // of a node on its curve, surface or volume
+        // number of coordinates of a node on its curve, surface or volume, which follow x, y and z
+        const long parameters = count() != 0 ? dimension : 0;
         const long here = count();
         for (long i = 0; i < here; ++i) count();
         for (long i = 0; i < here; ++i) {
@@ -83,7 +84,7 @@ void read_points(const std::string& text, const std::string& file, bool blocks, 
     }
 }
 
-/// Whether there are tetrahedra. Throws FileError for elements of the second order.
+/// Whether the file has tetrahedra. Throws FileError for elements of second order.
 bool has_tetrahedra(const std::string& text, const std::string& file, bool blocks) {
     std::istringstream in = section_of(text, file, "Elements");
     std::string line;
@@ -96,17 +97,17 @@ bool has_tetrahedra(const std::string& text, const std::string& file, bool block
         if (blocks) number(), number();
         else number();
         const long kind = number();
-        if (kind == 9 || kind == 11) throw FileError(file + ": has elements of the second order; save it with those of the first: gmsh -order 1");
+        if (kind == 9 || kind == 11) throw FileError(file + ": has elements of second order; save it with first order: gmsh -order 1");
         if (kind == 4) return true;
         if (blocks) skip = number();
     }
     return false;
 }
 
-/// Numbers of physical groups that elements belong to, curves' (dimension 1) or surfaces' (2), volumes' (3).
+/// Numbers of the physical groups of curves (dimension 1), surfaces (2) or volumes (3).
 std::set<int> physical_groups(const std::string& text, const std::string& file, bool blocks, int dimension) {
     std::set<int> groups;
-    if (blocks) {  // they stand with the entities
+    if (blocks) {  // MSH 4.1 lists them with the entities
         if (text.find("$Entities") == std::string::npos) return groups;
         std::istringstream in = section_of(text, file, "Entities");
         const auto number = [&] { return next<double>(in, file, "Entities"); };
@@ -141,13 +142,13 @@ ShapeExtent msh_extent(const std::string& text, const std::string& file) {
     const double version = next<double>(format, file, "MeshFormat");
     if (next<int>(format, file, "MeshFormat") != 0)
         throw FileError(fmt::format("{0}: is binary; save it as text: gmsh -save -format msh22 {0} -o NEW.msh", file));
-    if (version != 2.2 && version != 4.1) throw FileError(fmt::format("{}: is of MSH {:g}; 2.2 and 4.1 are read", file, version));
+    if (version != 2.2 && version != 4.1) throw FileError(fmt::format("{}: has MSH format {:g}; formats 2.2 and 4.1 are read", file, version));
     const bool blocks = version > 3;
     ShapeExtent shape;
     read_points(text, file, blocks, shape);
     shape.solid = has_tetrahedra(text, file, blocks);
     if (!shape.solid && has_depth(shape))
-        throw FileError(file + ": has triangles in space and no tetrahedra; save its surface as .stl, which is filled");
+        throw FileError(file + ": has triangles in space and no tetrahedra; save its surface as .stl, which is then filled");
     const int boundary = shape.solid ? 2 : 1;
     std::set<int> curves = physical_groups(text, file, blocks, boundary), regions = physical_groups(text, file, blocks, boundary + 1);
     if (text.find("$PhysicalNames") != std::string::npos) {
@@ -161,10 +162,11 @@ ShapeExtent msh_extent(const std::string& text, const std::string& file) {
             if (dimension == boundary + 1) add_name(shape.regions, match[3]), regions.erase(std::stoi(match[2]));
         }
     }
-    const auto by_number = [&file](std::vector<std::string>& names, const std::set<int>& groups) {  // without a name they are called by it
+    // a group without a name is called by its number
+    const auto by_number = [&file](std::vector<std::string>& names, const std::set<int>& groups) {
         for (const int group : groups) {
             if (std::find(names.begin(), names.end(), std::to_string(group)) != names.end())
-                throw FileError(fmt::format("{0}: its group {1} has no name, and another group is called '{1}': give every group a name", file, group));
+                throw FileError(fmt::format("{0}: its group {1} has no name, and another group has the name '{1}': give every group a name", file, group));
             names.push_back(std::to_string(group));
         }
     };
@@ -187,7 +189,7 @@ ShapeExtent surface_extent(const std::string& file) {
 
 // ---- .geo
 
-/// Infinity where it is too large for a number, which `include` refuses.
+/// Infinity where the number is too large for a double; `include` refuses it.
 double real_of(const std::string& digits) { return std::strtod(digits.c_str(), nullptr); }
 
 std::string without_blanks(std::string text) {
@@ -195,8 +197,8 @@ std::string without_blanks(std::string text) {
     return text;
 }
 
-/// Line by line, and no line that is very long: std::regex follows a match by recursion. No two parts of a pattern that follow
-/// each other take the same characters, or a line would take the square of its length.
+/// Matches line by line and skips very long lines, because std::regex matches by recursion. Successive parts of a
+/// pattern have no characters in common, so that the time of a line is not quadratic in its length.
 ShapeExtent geo_extent(const std::string& text, const std::string& file) {
     constexpr std::size_t longest_line = 2000;
     const std::string real = "\\s*([-+]?(?:[0-9]+(?:\\.[0-9]*)?|\\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\\s*";
@@ -210,7 +212,7 @@ ShapeExtent geo_extent(const std::string& text, const std::string& file) {
     bool all_known = true, volumes = false;
     std::vector<std::pair<int, std::string>> groups;
     std::vector<std::pair<std::string, std::array<double, 3>>> points_of;  // by number
-    std::set<std::string> middles;                                        // of arcs: far away where one is nearly straight
+    std::set<std::string> middles;  // centres of arcs, which may be far away from the shape
     std::istringstream in(text);
     for (std::string line; std::getline(in, line);) {
         line.erase(std::min(line.find("//"), line.size()));
@@ -249,7 +251,7 @@ ShapeExtent shape_extent(const std::string& file) {
     const std::string ending = file.substr(std::min(file.rfind('.'), file.size()));
     if (ending == ".msh") return msh_extent(text, file);
     if (ending == ".geo") return geo_extent(text, file);
-    throw FileError(fmt::format("{}: a shape is a .geo, .msh, {}", file, surface_endings));
+    throw FileError(fmt::format("{}: a shape must be a .geo, .msh, {}", file, surface_endings));
 }
 
 }  // namespace tissue

@@ -17,11 +17,13 @@
 namespace tissue {
 namespace {
 
-constexpr double tiny = 1e-9, tiny_m = 1e-9, tiny_direction = 1e-9;  // what counts as the same place, and as the same push
+// Tolerances of equal ratios, places and directions.
+constexpr double tiny = 1e-9, tiny_m = 1e-9, tiny_direction = 1e-9;
 
-/// A name a path: place in 0.1 mm, tilt and azimuth in degrees, of another disc than own_m its radius in 0.1 mm, all with as many more decimals as tell all of them apart.
+/// Names the paths by place in 0.1 mm, tilt and azimuth in degrees and, where the disc's radius is not own_m, its
+/// radius in 0.1 mm. All numbers get as many further decimals as make the names different.
 void name_paths(std::vector<StudyPath>& paths, const std::vector<std::array<double, 2>>& pushes_deg, double own_m) {
-    constexpr int most_decimals = 6;  // places lie 1e-9 m apart
+    constexpr int most_decimals = 6;  // different places are at least 1e-9 m apart
     for (int decimals = 0; decimals <= most_decimals; ++decimals) {
         const double scale = std::pow(10, decimals);
         std::set<std::string> names;
@@ -36,11 +38,12 @@ void name_paths(std::vector<StudyPath>& paths, const std::vector<std::array<doub
     }
 }
 
-/// The inclusion that the surface of a file encloses. Whether it lies in the shape is known once that is meshed: cases/study_mesh.h.
+/// The inclusion that the surface of a file encloses. cases/study_mesh.h checks that it lies in the shape, once the
+/// shape is meshed.
 Study::Nodule read_enclosed_nodule(TomlReader& in, const Study& study) {
     const std::string shape = in.text("shape");
-    if (study.geometry.is_block()) in.refuse("shape", "is of a tissue that has a shape itself; in a block a nodule is a ball, of centre_m and radius_m");
-    if (in.has("centre_m") || in.has("radius_m")) in.refuse("shape", "cannot stand beside centre_m and radius_m, which are a ball's");
+    if (study.geometry.is_block()) in.refuse("shape", "needs a tissue with geometry.shape; in a block a nodule is a ball with centre_m and radius_m");
+    if (in.has("centre_m") || in.has("radius_m")) in.refuse("shape", "is not possible with centre_m and radius_m, which are for a ball");
     if (const std::string why = vtk_refusal(in.beside("shape", shape)); !why.empty()) in.refuse("shape", why);
     if (!is_surface_file(shape)) in.refuse("shape", fmt::format("'{}' must be a file that ends in {}", shape, surface_endings));
     const std::string file = file_beside(in, "shape", shape);
@@ -51,7 +54,7 @@ Study::Nodule read_enclosed_nodule(TomlReader& in, const Study& study) {
     }
 }
 
-/// A ball of a block lies half an element from every wall, or the mesh has slivers.
+/// [nodule]. A ball in a block keeps half an element from every wall; otherwise the mesh would have slivers.
 Study::Nodule read_nodule(TomlReader in, const Study& study) {
     const Study::Geometry& g = study.geometry;
     if (in.has("shape")) {
@@ -74,72 +77,74 @@ Study::Nodule read_nodule(TomlReader in, const Study& study) {
          {std::pair(centre[0], g.width_m), std::pair(centre[1], g.length_m), std::pair(centre[2], g.height_m)})
         wall_m = std::min({wall_m, place_m, size_m - place_m});
     if (wall_m < least_m - tiny_m)
-        in.refuse("radius_m", fmt::format("the nodule's middle is {:g} mm from a wall of the {:g} x {:g} x {:g} m block; a nodule of "
+        in.refuse("radius_m", fmt::format("the nodule's centre is {:g} mm from a wall of the {:g} x {:g} x {:g} m block; a nodule of "
                                           "{:g} mm needs {:g} mm, half of mesh.sizes_m[0] more than its radius",
                                           1e3 * wall_m, g.width_m, g.length_m, g.height_m, 1e3 * radius_m, 1e3 * least_m));
     in.refuse_the_rest();
     return nodule;
 }
 
-/// [near, far] of a solid's finite elements.
+/// Sizes [near, far] of a solid's finite elements [m].
 std::array<double, 2> read_sizes(TomlReader& in, const char* key, const Study::Indenter& indenter) {
-    constexpr double longest_m = 0.010;  // near elements; half of it lies between disc and wall
+    constexpr double longest_m = 0.010;  // of near elements: the 5 mm between disc and wall are half of it
     const std::vector<double> sizes = in.numbers(key, 2, positive);
-    if (sizes[0] > sizes[1]) in.refuse(key, "must be [near, far], the elements at the contact no longer than those far away");
+    if (sizes[0] > sizes[1]) in.refuse(key, "must be [near, far], the first not larger than the second");
     if (sizes[0] > std::min(indenter.radius_m, longest_m))
-        in.refuse(key, fmt::format("elements at the contact must be no longer than indenter.radius_m, nor than {:g} mm", 1e3 * longest_m));
+        in.refuse(key, fmt::format("elements at the contact must be at most as long as indenter.radius_m and {:g} mm", 1e3 * longest_m));
     return {sizes[0], sizes[1]};
 }
 
-/// A disc's radius, the study's own to the bit where it is that. Refused unless it is from a third to three times the study's own: near elements are in proportion, and so is what a push may reach.
+/// The radius of a disc; exactly the study's own where it differs by less than 1e-9 m. Refused unless it is between a
+/// third and three times the study's own, because near elements and largest depths are in proportion to it.
 double checked_radius(const TomlReader& in, const char* key, const Study& study, double radius_m) {
     constexpr double most = 3;
     const double times = study.indenter.times(radius_m);
     if (!(times * most >= 1 - tiny && times <= most * (1 + tiny)))
-        in.refuse(key, fmt::format("{:g} mm is not from a third to three times indenter.radius_m, {:g} mm", 1e3 * radius_m, 1e3 * study.indenter.radius_m));
+        in.refuse(key, fmt::format("{:g} mm must be from a third to three times indenter.radius_m, {:g} mm", 1e3 * radius_m, 1e3 * study.indenter.radius_m));
     return std::abs(radius_m - study.indenter.radius_m) < tiny_m ? study.indenter.radius_m : radius_m;
 }
 
-/// radius_m of a contact.
+/// radius_m of a contact; the study's own where the key is absent.
 double read_contact_radius(TomlReader& contact, const Study& study) {
     return checked_radius(contact, "radius_m", study, contact.optional_number("radius_m", positive).value_or(study.indenter.radius_m));
 }
 
-/// radii_m of contacts that take them in turn: none twice.
+/// radii_m, which contacts take in turn; the study's own radius where the key is absent. No radius may occur twice.
 std::vector<double> read_radii(TomlReader& in, const Study& study) {
     if (!in.has("radii_m")) return {study.indenter.radius_m};
     std::vector<double> radii_m = in.numbers("radii_m", positive);
     for (std::size_t i = 0; i < radii_m.size(); ++i) {
         radii_m[i] = checked_radius(in, "radii_m", study, radii_m[i]);
         for (std::size_t j = 0; j < i; ++j)
-            if (std::abs(radii_m[i] - radii_m[j]) < tiny_m) in.refuse("radii_m", fmt::format("{:g} m stands twice", radii_m[i]));
+            if (std::abs(radii_m[i] - radii_m[j]) < tiny_m) in.refuse("radii_m", fmt::format("{:g} m is present twice", radii_m[i]));
     }
     return radii_m;
 }
 
-/// depth_m of a contact whose disc is so many times as large as the study's: a record of its own, at the depth or before.
+/// depth_m of a contact. times: its disc's radius over the study's own, to which magnitudes and record steps are
+/// proportional. The depth must be a multiple of the record step, or not beyond the smallest magnitude.
 double read_contact_depth(TomlReader& contact, const Study::Loads& loads, double times) {
     const double depth_m = contact.optional_number("depth_m", positive).value_or(times * loads.depth_m());
-    const std::string in_proportion = std::abs(times - 1) < tiny ? "" : fmt::format(" {:g} times, as its disc is over indenter.radius_m", times);
-    if (depth_m > times * loads.depth_m() * (1 + tiny)) contact.refuse("depth_m", "must not be beyond loads.magnitudes_m" + in_proportion);
+    const std::string in_proportion = std::abs(times - 1) < tiny ? "" : fmt::format(" times {:g}, the ratio of its disc to indenter.radius_m", times);
+    if (depth_m > times * loads.depth_m() * (1 + tiny)) contact.refuse("depth_m", "must be at most the largest of loads.magnitudes_m" + in_proportion);
     if (depth_m > times * loads.magnitudes_m.front() * (1 + tiny) && !is_multiple(depth_m, times * loads.record_step_m))
-        contact.refuse("depth_m", fmt::format("must be a multiple of loads.record_step_m{0}, or not beyond the smallest of loads.magnitudes_m{0}", in_proportion));
+        contact.refuse("depth_m", fmt::format("must be a multiple of loads.record_step_m{0}, or at most the smallest of loads.magnitudes_m{0}", in_proportion));
     return depth_m;
 }
 
-/// A row of pushes_deg, checked.
+/// A row [tilt, azimuth] of pushes_deg, checked.
 std::array<double, 2> push_of(const TomlReader& in, const std::vector<double>& push) {
-    if (!(push[0] >= 0 && push[0] <= 90)) in.refuse("pushes_deg", fmt::format("a tilt of {:g} degrees is not from 0 to 90", push[0]));
-    if (!(std::abs(push[1]) <= 360)) in.refuse("pushes_deg", fmt::format("an azimuth of {:g} degrees is not from -360 to 360", push[1]));
+    if (!(push[0] >= 0 && push[0] <= 180)) in.refuse("pushes_deg", fmt::format("a tilt of {:g} degrees must be from 0 to 180", push[0]));
+    if (!(std::abs(push[1]) <= 360)) in.refuse("pushes_deg", fmt::format("an azimuth of {:g} degrees must be from -360 to 360", push[1]));
     return {push[0], push[1]};
 }
 
-/// "contacts[2]" stands in messages as loads.contacts[2]. Every push of every contact, in the order in which they stand.
+/// The load paths of a block: every direction of every contact, in the order of the file.
 std::vector<StudyPath> read_contacts(TomlReader& in, const Study& study) {
     const Study::Geometry& g = study.geometry;
     const Study::Loads& loads = study.loads;
     std::vector<StudyPath> paths;
-    std::vector<std::array<double, 2>> pushes_deg;  // of each path, for its name
+    std::vector<std::array<double, 2>> pushes_deg;  // tilt and azimuth of each path, for its name
     if (in.tables("contacts").empty()) in.refuse("contacts", "must not be empty");
     for (TomlReader& contact : in.tables("contacts")) {
         const std::vector<double> at = contact.numbers("at_m", 2);
@@ -153,7 +158,7 @@ std::vector<StudyPath> read_contacts(TomlReader& in, const Study& study) {
             const Eigen::Vector3d place(at[0], at[1], g.height_m), direction = solid_push(push[0], push[1]);
             for (const StudyPath& p : paths)
                 if ((p.contact_m - place).norm() < tiny_m && (p.direction - direction).norm() < tiny_direction && std::abs(p.radius_m - radius_m) < tiny_m)
-                    contact.refuse("pushes_deg", fmt::format("({:g}, {:g}) m is pushed at ({:g}, {:g}) degrees twice", at[0], at[1], push[0], push[1]));
+                    contact.refuse("pushes_deg", fmt::format("({:g}, {:g}) m has the direction ({:g}, {:g}) degrees twice", at[0], at[1], push[0], push[1]));
             paths.push_back({"", place, direction, depth_m, radius_m});
             pushes_deg.push_back({push[0], push[0] == 0 ? 0 : push[1] < 0 ? push[1] + 360 : push[1]});
         }
@@ -163,14 +168,14 @@ std::vector<StudyPath> read_contacts(TomlReader& in, const Study& study) {
     return paths;
 }
 
-/// Pushes of one contact of a shape: none twice.
+/// Directions of one contact of a shape. No direction may occur twice.
 Study::Loads::Pushes read_pushes(TomlReader& in) {
     Study::Loads::Pushes pushes;
     for (const std::vector<double>& row : in.rows("pushes_deg", 2)) {
         const std::array<double, 2> push = push_of(in, row);
         for (const std::array<double, 2>& p : pushes)
             if ((solid_push(p[0], p[1]) - solid_push(push[0], push[1])).norm() < tiny_direction)
-                in.refuse("pushes_deg", fmt::format("({:g}, {:g}) degrees stand twice", push[0], push[1]));
+                in.refuse("pushes_deg", fmt::format("({:g}, {:g}) degrees are present twice", push[0], push[1]));
         pushes.push_back(push);
     }
     return pushes;
@@ -179,11 +184,11 @@ Study::Loads::Pushes read_pushes(TomlReader& in) {
 Study::Map read_map(TomlReader in, const Study& study) {
     Study::Map map;
     map.depth_m = in.number("depth_m", positive);
-    if (map.depth_m > study.loads.depth_m()) in.refuse("depth_m", "must not be beyond loads.magnitudes_m");
+    if (map.depth_m > study.loads.depth_m()) in.refuse("depth_m", "must be at most the largest of loads.magnitudes_m");
     const auto places = [&](const char* key, double size_m) {
         const std::vector<double> at = in.numbers(key);
         const double least_m = study.indenter.clearance_m();
-        if (at.size() < 2) in.refuse(key, "must have two entries at least");
+        if (at.size() < 2) in.refuse(key, "must have at least two entries");
         for (std::size_t i = 1; i < at.size(); ++i)
             if (!(at[i] > at[i - 1] + tiny_m)) in.refuse(key, "must be ascending");
         if (at.front() < least_m - tiny_m || at.back() > size_m - least_m + tiny_m)
@@ -196,10 +201,10 @@ Study::Map read_map(TomlReader in, const Study& study) {
     return map;
 }
 
-/// Contacts of a shape, listed or spread: cases/solid_training.h finds their places.
+/// Contacts of a shape, listed or spread. cases/solid_training.h finds their places.
 void read_shape_contacts(TomlReader& in, Study& study) {
     Study::Loads& loads = study.loads;
-    if (in.has("contacts") && in.has("spread")) in.refuse("spread", "cannot stand beside contacts: they are listed or spread");
+    if (in.has("contacts") && in.has("spread")) in.refuse("spread", "is not possible with contacts: contacts are listed or spread");
     if (!in.has("spread")) {
         if (!in.has("contacts")) in.refuse("contacts", "is missing: a solid shape needs contacts or spread");
         if (in.tables("contacts").empty()) in.refuse("contacts", "must not be empty");
@@ -226,7 +231,7 @@ void read_shape_contacts(TomlReader& in, Study& study) {
     loads.spread = s;
 }
 
-/// validation, held_out, or held_out_WORD.
+/// Whether a role is validation, held_out or held_out_WORD.
 bool is_role(const std::string& role) {
     const std::string held_out = "held_out";
     if (role == "validation" || role == held_out) return true;
@@ -235,15 +240,15 @@ bool is_role(const std::string& role) {
            role.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos;
 }
 
-/// apart_m of draws whose contacts are pairs of discs, which tests alone are.
+/// apart_m of draws whose contacts are pairs of discs. Only test sets have pairs.
 void read_pairs(TomlReader& draw, const Study& study, Study::Draws& d) {
-    if (!study.geometry.is_block()) draw.refuse("apart_m", "asks for two discs at once, which the finite elements have on a block alone");
-    if (!is_role_of_pairs(d.role)) draw.refuse("apart_m", "asks for two discs at once: they need a role of their own, held_out_WORD");
+    if (!study.geometry.is_block()) draw.refuse("apart_m", "gives two discs at once, which FE supports on a block only");
+    if (!is_role_of_pairs(d.role)) draw.refuse("apart_m", "gives two discs at once, which need their own role held_out_WORD");
     const std::vector<double> apart = draw.numbers("apart_m", 2, positive);
     if (!(apart[0] < apart[1])) draw.refuse("apart_m", "must be [smallest, largest], not the same");
     const double largest_m = d.radii_m.empty() ? study.indenter.radius_m : *std::max_element(d.radii_m.begin(), d.radii_m.end());
     if (apart[0] < least_apart_radii * largest_m - tiny_m)
-        draw.refuse("apart_m", fmt::format("two discs of radius {:g} mm are {:g} mm apart at least, {:g} radii", 1e3 * largest_m, 1e3 * least_apart_radii * largest_m, least_apart_radii));
+        draw.refuse("apart_m", fmt::format("two discs of radius {:g} mm must be at least {:g} mm apart, {:g} radii", 1e3 * largest_m, 1e3 * least_apart_radii * largest_m, least_apart_radii));
     std::copy(apart.begin(), apart.end(), d.pair_apart_m);
 }
 
@@ -253,7 +258,7 @@ bool is_role_of_pairs(const std::string& role) { return is_role(role) && role !=
 
 void read_solid_place(TomlReader& draw, const Study& study, Study::Draws& d) {
     const Study::Geometry& g = study.geometry;
-    const std::vector<double> tilt = draw.numbers("tilt_deg", 2, {0, 90}), clearance = draw.numbers("clearance_m", 2, positive);
+    const std::vector<double> tilt = draw.numbers("tilt_deg", 2, {0, 180}), clearance = draw.numbers("clearance_m", 2, positive);
     if (tilt[0] > tilt[1]) draw.refuse("tilt_deg", "must be [smallest, largest]");
     if (!(clearance[0] < clearance[1])) draw.refuse("clearance_m", "must be [smallest, largest], not the same");
     const double largest_m = d.radii_m.empty() ? study.indenter.radius_m : *std::max_element(d.radii_m.begin(), d.radii_m.end());
@@ -261,7 +266,7 @@ void read_solid_place(TomlReader& draw, const Study& study, Study::Draws& d) {
         draw.refuse("clearance_m", fmt::format("a disc of radius {:g} mm needs {:g} mm {}", 1e3 * largest_m, 1e3 * study.indenter.clearance_m(largest_m),
                                                g.is_block() ? "from every wall" : "to where the surface ends or turns"));
     if (g.is_block() && !(clearance[0] < std::min(g.width_m, g.length_m) / 2))
-        draw.refuse("clearance_m", fmt::format("no place of the {:g} x {:g} m top is so far from every wall", g.width_m, g.length_m));
+        draw.refuse("clearance_m", fmt::format("no place of the {:g} x {:g} m top has this distance from every wall", g.width_m, g.length_m));
     std::copy(tilt.begin(), tilt.end(), d.tilt_deg);
     std::copy(clearance.begin(), clearance.end(), d.clearance_m);
 }
@@ -289,13 +294,13 @@ void read_solid_draws(TomlReader in, Study& study) {
 void read_solid_fe(TomlReader& in, Study& study) {
     TomlReader indenter = in.table("indenter");
     study.indenter.kind = indenter.text("kind");
-    if (study.indenter.kind != "disc") indenter.refuse("kind", "'" + study.indenter.kind + "' is for the plane; a solid " + (study.geometry.is_block() ? "block" : "shape") + " has disc");
+    if (study.indenter.kind != "disc") indenter.refuse("kind", "'" + study.indenter.kind + "' is only for the plane; a solid " + (study.geometry.is_block() ? "block" : "shape") + " needs disc");
     study.indenter.radius_m = indenter.number("radius_m", positive);
     indenter.refuse_the_rest();
 
     TomlReader mesh = in.table("mesh");
     for (const char* key : {"refine", "check_refine"})
-        if (mesh.has(key)) mesh.refuse(key, fmt::format("belongs to the plane; a solid {} has sizes_m and check_sizes_m", study.geometry.is_block() ? "block" : "shape"));
+        if (mesh.has(key)) mesh.refuse(key, fmt::format("is only for the plane; a solid {} has sizes_m and check_sizes_m", study.geometry.is_block() ? "block" : "shape"));
     study.sizes_m = read_sizes(mesh, "sizes_m", study.indenter);
     if (mesh.has("check_sizes_m")) {
         study.check_sizes_m = read_sizes(mesh, "check_sizes_m", study.indenter);
@@ -311,8 +316,8 @@ void read_solid_fe(TomlReader& in, Study& study) {
     TomlReader loads = in.table("loads");
     for (const char* key : {"sweep", "paths"})
         if (loads.has(key))
-            loads.refuse(key, study.geometry.is_block() ? "belongs to the plane; a solid block has contacts"
-                                                        : "belongs to the plane; a solid shape has contacts or spread");
+            loads.refuse(key, study.geometry.is_block() ? "is only for the plane; a solid block has contacts"
+                                                        : "is only for the plane; a solid shape has contacts or spread");
     study.loads = read_magnitudes(loads, study.geometry);
     if (study.geometry.is_block())
         study.loads.paths = read_contacts(loads, study);
@@ -321,7 +326,7 @@ void read_solid_fe(TomlReader& in, Study& study) {
     loads.refuse_the_rest();
 
     if (in.has("map")) {
-        if (!study.nodule) in.refuse("map", "shows a nodule, and there is none");
+        if (!study.nodule) in.refuse("map", "needs a nodule");
         study.map = read_map(in.table("map"), study);
     }
 }

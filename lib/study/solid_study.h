@@ -5,16 +5,17 @@
 
 namespace tissue {
 
-/// What finite elements need in space: [indenter], [mesh], [nodule], [solver] and [loads], of a block or of a shape.
+/// Reads [indenter], [mesh], [nodule], [solver], [loads] and [map] of a solid block or shape.
 void read_solid_fe(TomlReader& in, Study& study);
 
-/// tilt_deg and clearance_m of contacts drawn in space.
+/// Reads tilt_deg and clearance_m of contacts drawn in space.
 void read_solid_place(TomlReader& draw, const Study& study, Study::Draws& d);
 
-/// [draws] in space: validation, held_out and held_out_WORD.
+/// Reads [draws] in space: validation, held_out and held_out_WORD.
 void read_solid_draws(TomlReader in, Study& study);
 
-/// Whether load paths of this role may be of two discs at once: held_out_WORD, but not held_out_full, which single contacts alone are looked for in.
+/// Whether load paths of this role may have two discs at once: held_out_WORD, but not held_out_full, because its
+/// readers expect single contacts.
 bool is_role_of_pairs(const std::string& role);
 
 }  // namespace tissue

@@ -9,7 +9,7 @@
 
 #include "error.h"
 #include "io/one_line.h"
-#include "mesh/held_region.h"
+#include "mesh/fixed_region.h"
 #include "mesh/topology.h"
 #include "springs/spring_law.h"
 #include "study/based_on.h"
@@ -26,11 +26,11 @@
 namespace tissue {
 namespace {
 
-constexpr double most_nodes = 100'000;  // of a lattice: its matrices are to fit into memory
+constexpr double most_nodes = 100'000;  // of a lattice, so that its matrices fit into memory
 
 const Range area_caps{1.0 / 3, 1000, true};
 
-/// Keys of [training] that belong to one kind of stiffness alone.
+/// Keys of [training] that only spring sets, or only an energy model, have; `ridge` is in both lists.
 const std::vector<const char*> sets_keys = {"optimizer",   "also",            "objective", "ridge",    "iterations",
                                             "max_seconds", "target_rel_loss", "k_min_E2",  "k_max_E2", "weight_near",
                                             "weight_far"};
@@ -52,11 +52,11 @@ bool ends_with(const std::string& text, const std::string& end) {
 Study::Geometry read_geometry(TomlReader in) {
     Study::Geometry g{};
     g.unit_m = 1;
-    if (in.has("bed_Pa_m") && !in.has("solid")) in.refuse("bed_Pa_m", "is of a shape with geometry.solid; what is held of other tissue does not move");
+    if (in.has("bed_Pa_m") && !in.has("solid")) in.refuse("bed_Pa_m", "needs a shape with geometry.solid; in other tissue the fixed parts do not move");
     if (in.has("length_m")) {
-        if (in.has("solid")) in.refuse("solid", "is for a shape; a block with length_m is a solid already");
+        if (in.has("solid")) in.refuse("solid", "is only for a shape; a block with length_m is already a solid");
         for (const char* key : {"thickness_m", "shape", "unit_m", "fixed"})
-            if (in.has(key)) in.refuse(key, "belongs to the plane; a block with length_m is a solid");
+            if (in.has(key)) in.refuse(key, "is only for the plane; a block with length_m is a solid");
         g.length_m = in.number("length_m", positive);
         g.width_m = in.number("width_m", positive);
         g.height_m = in.number("height_m", positive);
@@ -65,8 +65,8 @@ Study::Geometry read_geometry(TomlReader in) {
         return g;
     }
     if (in.has("solid")) {
-        if (!in.flag("solid")) in.refuse("solid", "must be true, or left out in the plane");
-        if (in.has("thickness_m")) in.refuse("thickness_m", "belongs to the plane; a solid has none");
+        if (!in.flag("solid")) in.refuse("solid", "must be true; leave it out in the plane");
+        if (in.has("thickness_m")) in.refuse("thickness_m", "is only for the plane; a solid has none");
         if (!in.has("shape")) in.refuse("solid", "needs geometry.shape; a block is a solid by its length_m");
         g.solid = true;
     }
@@ -84,31 +84,31 @@ Study::Geometry read_geometry(TomlReader in) {
         g.shape = file_beside(in, "shape", shape);
         const bool trusted = in.has("trust_geo") && in.flag("trust_geo");
         if (ends_with(shape, ".geo") && !trusted)
-            in.refuse("shape", g.shape + " is a program, which gmsh runs and which may run any command; geometry.trust_geo = true says that you trust it");
+            in.refuse("shape", g.shape + " is a program, which gmsh runs and which may run any command; give geometry.trust_geo = true if you trust it");
         g.unit_m = in.optional_number("unit_m", positive).value_or(1);
         g.fixed = in.texts("fixed");
         if (g.fixed.empty()) in.refuse("fixed", g.solid ? "must name at least one physical surface of the shape, or a region: \"below z = 0.01\"" : "must name at least one physical curve of the shape");
         for (std::string& name : g.fixed) {
             if (!g.solid) continue;
             try {
-                if (auto other = HeldRegion::within(name)) {
+                if (auto other = FixedRegion::within(name)) {
                     other->file = in.beside("fixed", other->file);
                     if (const std::string why = vtk_refusal(other->file); !why.empty()) in.refuse("fixed", why);
                     std::error_code none;
                     if (!std::filesystem::is_regular_file(other->file, none)) in.refuse("fixed", "'" + name + "': there is no file " + other->file);
                     name = other->word();
-                } else if (const auto region = HeldRegion::of(name)) {
+                } else if (const auto region = FixedRegion::of(name)) {
                     name = region->word();
                 }
             } catch (const MismatchError& e) {
                 in.refuse("fixed", e.what());
             }
-            if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which stands between names");
+            if (name.find(',') != std::string::npos) in.refuse("fixed", "'" + name + "' has a comma, which separates names");
         }
         if (in.has("bed_Pa_m")) {
             const bool each = in.is_list("bed_Pa_m");
             g.bed_Pa_m = each ? in.numbers("bed_Pa_m", not_negative) : std::vector<double>(g.fixed.size(), in.number("bed_Pa_m", not_negative));
-            if (g.bed_Pa_m.size() != g.fixed.size()) in.refuse("bed_Pa_m", fmt::format("has {} numbers for the {} that 'fixed' names", g.bed_Pa_m.size(), g.fixed.size()));
+            if (g.bed_Pa_m.size() != g.fixed.size()) in.refuse("bed_Pa_m", fmt::format("has {} numbers for the {} names of 'fixed'", g.bed_Pa_m.size(), g.fixed.size()));
             for (double k : g.bed_Pa_m)
                 if (k != 0 && !(k >= bed_least_Pa_m && k <= bed_most_Pa_m))
                     in.refuse("bed_Pa_m", fmt::format("must be 0, which is rigid, or {:g} to {:g} Pa/m (fat of E = 2000 Pa, 0.01 m thick: 200000), not {:g}", bed_least_Pa_m, bed_most_Pa_m, k));
@@ -120,7 +120,7 @@ Study::Geometry read_geometry(TomlReader in) {
     return g;
 }
 
-/// Puts what fem/materials/NAME.toml says under the study's own keys.
+/// Adds the keys of fem/materials/NAME.toml that the study's [material] does not have.
 void apply_preset(toml::table& table, const std::string& file) {
     toml::table* material = table["material"].as_table();
     if (!material || !material->get("preset")) return;
@@ -128,7 +128,7 @@ void apply_preset(toml::table& table, const std::string& file) {
     const std::string name = in.text("preset");
     if (!is_plain_name(name)) in.refuse("preset", "must be the name of a file in materials/, without its ending");
     for (const char* key : {"law", "C1_Pa", "C2_Pa", "mu_Pa", "alpha"})
-        if (in.has(key)) in.refuse(key, "cannot stand beside material.preset, which says it");
+        if (in.has(key)) in.refuse(key, "is not possible with material.preset, which gives it");
     const std::string preset_file = in.beside("preset", "../materials/" + name + ".toml");
     std::error_code error;
     if (!std::filesystem::is_regular_file(preset_file, error)) {
@@ -142,16 +142,16 @@ void apply_preset(toml::table& table, const std::string& file) {
     underlay(*material, parse_study_file(preset_file));
 }
 
-/// measured: there are no finite elements.
+/// measured: the study has measured forces and no finite elements.
 Study::Material read_material(TomlReader in, const Study::Geometry& geometry, bool measured) {
     Study::Material m;
     m.law = in.choice("law", {"mooney-rivlin", "neo-Hookean", "ogden"});
     static_cast<Study::LawParameters&>(m) = read_law_parameters(in, m.law);
     m.density_kg_m3 = in.number("density_kg_m3", positive);
     if (geometry.is_solid()) {
-        if (in.has("formulation")) in.refuse("formulation", fmt::format("belongs to the plane; a solid {} is incompressible", geometry.is_block() ? "block" : "shape"));
+        if (in.has("formulation")) in.refuse("formulation", fmt::format("is only for the plane; a solid {} is incompressible", geometry.is_block() ? "block" : "shape"));
         if (in.has("regions") && geometry.is_block()) in.refuse("regions", "needs a geometry.shape whose file names them; a solid block has [nodule]");
-        if (in.has("regions") && is_surface_file(geometry.shape)) in.refuse("regions", "are physical volumes, and this file has a surface alone");
+        if (in.has("regions") && is_surface_file(geometry.shape)) in.refuse("regions", "are physical volumes, and this file has only a surface");
         m.formulation = "incompressible";
     } else {
         m.formulation = in.choice("formulation", {"plane-stress", "plane-strain"});
@@ -176,10 +176,10 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
     const double least_m = indenter.clearance_m();
     Study::Loads loads = read_magnitudes(in, geometry);
     if (in.has("sweep")) {
-        in.refuse_unless_empty("paths", "must be empty beside a sweep");
+        in.refuse_unless_empty("paths", "must be empty with a sweep");
         TomlReader sweep = in.table("sweep");
         const bool listed = sweep.has("arcs_m");
-        if (listed && sweep.has("spacing_m")) sweep.refuse("arcs_m", "cannot stand beside spacing_m: contacts are listed or spaced");
+        if (listed && sweep.has("spacing_m")) sweep.refuse("arcs_m", "is not possible with spacing_m: contacts are listed or spaced");
         const double spacing_m = listed ? 0 : sweep.number("spacing_m", positive);
         loads.sweep = Study::Loads::Sweep{spacing_m, sweep.number("clearance_m", positive), sweep.numbers("angles_deg", {-75, 75})};
         if (loads.sweep->clearance_m < least_m - tiny_m)
@@ -194,7 +194,7 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
                 sweep.refuse("angles_deg", "must be ascending");
         for (std::size_t i = 0, n = loads.sweep->angles_deg.size(); geometry.is_block() && i < n; ++i)
             if (loads.sweep->angles_deg[i] != -loads.sweep->angles_deg[n - 1 - i])
-                sweep.refuse("angles_deg", "must be symmetric about 0, as the block mirrors itself");
+                sweep.refuse("angles_deg", "must be symmetric about 0, because the block is symmetric");
         sweep.refuse_the_rest();
         in.refuse_the_rest();
         return loads;
@@ -204,8 +204,8 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
     for (TomlReader& path : in.tables("paths")) {
         StudyPath p;
         p.name = path.text("name");
-        if (!is_plain_name(p.name)) path.refuse("name", "must be of lower-case letters, digits and '-'");
-        if (!names.insert(p.name).second) path.refuse("name", "'" + p.name + "' stands twice");
+        if (!is_plain_name(p.name)) path.refuse("name", "must have only lower-case letters, digits and '-'");
+        if (!names.insert(p.name).second) path.refuse("name", "'" + p.name + "' is present twice");
         const std::vector<double> contact = path.numbers("contact_m", 2), push = path.numbers("push", 2);
         p.contact_m = Eigen::Vector2d(contact[0], contact[1]);
         p.direction = Eigen::Vector2d(push[0], push[1]);
@@ -216,7 +216,8 @@ Study::Loads read_loads(TomlReader in, const Study::Geometry& geometry, const St
         if (geometry.is_block() && !on_side && !on_top)
             path.refuse("contact_m", fmt::format("({}, {}) m is not on the free surface of the {} x {} m block", x, y,
                                                  w, h));
-        // next to the held edge a patch tears rather than dents; FE there is of no use to train on
+        // next to the fixed edge a patch stretches the tissue instead of indenting it; FE there is of no use for
+        // training
         if (geometry.is_block() && indenter.kind == "patch" && on_side && !on_top && y < least_m - tiny_m)
             path.refuse("contact_m", fmt::format("is {:g} mm from the fixed edge; a patch of half width {:g} mm needs {:g} mm", 1e3 * y, 1e3 * indenter.half_width_m,
                                                  1e3 * least_m));
@@ -232,37 +233,38 @@ Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry, bool
     s.topology = in.choice("topology", topologies_of(geometry));
     if (s.topology == "embedded") s.spacing_m = in.number("spacing_m", positive);
     s.stiffness = in.has("stiffness") ? in.choice("stiffness", {"sets", "law"}) : "sets";
-    if (geometry.is_solid() && !s.is_law()) in.refuse("stiffness", fmt::format("must be \"law\" on a solid {}: sets are of the plane", geometry.is_block() ? "block" : "shape"));
-    if (measured && !s.is_law())
-        in.refuse("stiffness", "must be \"law\" beside [data]: sets are trained on nodes inside, and none was measured");
-    if (!s.is_law()) {
+    if (geometry.is_solid() && !s.is_energy_model()) in.refuse("stiffness", fmt::format("must be \"law\" on a solid {}: spring sets are for the plane", geometry.is_block() ? "block" : "shape"));
+    if (measured && !s.is_energy_model())
+        in.refuse("stiffness", "must be \"law\" with [data]: spring sets need the displacement of nodes inside, which is not measured");
+    if (!s.is_energy_model()) {
         for (const char* key : {"terms", "area_cap_E2", "curve"})
-            if (in.has(key)) in.refuse(key, "belongs to stiffness = \"law\"");
+            if (in.has(key)) in.refuse(key, "needs stiffness = \"law\"");
         s.law = in.choice("law", spring_laws().names());
         in.refuse_the_rest();
         return s;
     }
-    if (in.has("law")) in.refuse("law", "belongs to stiffness = \"sets\": springs of an energy turn with the tissue");
-    if (s.topology == "grid4") in.refuse("topology", "'grid4' cannot carry a law: without diagonals its springs shear for nothing");
+    if (in.has("law")) in.refuse("law", "needs stiffness = \"sets\": springs of an energy model rotate with the tissue");
+    if (s.topology == "grid4") in.refuse("topology", "'grid4' is not possible with an energy model: without diagonals it has zero-energy modes");
     s.law = "geometric";
     s.terms = in.texts("terms");
-    if (s.terms.empty()) in.refuse("terms", "must name at least one term (lib/springs/energy_law.h)");
+    if (s.terms.empty()) in.refuse("terms", "must name at least one term (lib/springs/energy_model_terms.h)");
     std::set<std::string> known;
     for (const std::string& term : s.terms)
-        if (!known.insert(term).second) in.refuse("terms", "'" + term + "' stands twice");
+        if (!known.insert(term).second) in.refuse("terms", "'" + term + "' is present twice");
     s.area_cap_E2 = in.optional_number("area_cap_E2", area_caps).value_or(12);
-    if (in.has("curve") && !geometry.is_solid()) in.refuse("curve", "belongs to tissue in space: in the plane springs are Hooke's");
+    if (in.has("curve") && !geometry.is_solid()) in.refuse("curve", "needs tissue in space: in the plane springs are Hooke's");
     s.hookean = in.has("curve") ? in.choice("curve", {"material", "hooke"}) == "hooke" : !geometry.is_solid();
     in.refuse_the_rest();
     return s;
 }
 
-/// Of a law: the defaults are LawTrainingOptions', whose scales are what FE itself and an eye leave open.
+/// [training] of an energy model. The defaults are those of LawTrainingOptions. force_scale is about the discretisation
+/// error of FE, shape_scale about the smallest visible error of displacement.
 Study::Training read_law_training(TomlReader in, bool measured) {
     for (const char* key : sets_keys)
-        if (in.has(key) && std::string(key) != "ridge") in.refuse(key, "belongs to springs.stiffness = \"sets\"");
+        if (in.has(key) && std::string(key) != "ridge") in.refuse(key, "needs springs.stiffness = \"sets\"");
     if (measured && in.has("shape_scale"))
-        in.refuse("shape_scale", "belongs to finite elements: nothing inside was measured");
+        in.refuse("shape_scale", "needs finite elements: displacements inside are not measured");
     Study::Training t{};
     t.force_scale = in.optional_number("force_scale", positive).value_or(0.01);
     t.shape_scale = in.optional_number("shape_scale", positive).value_or(0.03);
@@ -275,7 +277,7 @@ Study::Training read_law_training(TomlReader in, bool measured) {
 
 Study::Training read_training(TomlReader in) {
     for (const char* key : law_keys)
-        if (in.has(key) && std::string(key) != "ridge") in.refuse(key, "belongs to springs.stiffness = \"law\"");
+        if (in.has(key) && std::string(key) != "ridge") in.refuse(key, "needs springs.stiffness = \"law\"");
     Study::Training t{};
     t.optimizer = in.text("optimizer");
     t.also = in.texts("also");
@@ -322,19 +324,19 @@ void read_draws(TomlReader in, Study& study) {
     in.refuse_the_rest();
 }
 
-/// What finite elements need.
+/// [mesh], [indenter], [solver] and [loads] of a study in the plane.
 void read_fe(TomlReader& in, Study& study) {
     TomlReader mesh = in.table("mesh");
     study.refine = static_cast<int>(mesh.integer("refine", 1, 100));
     const bool block = study.geometry.is_block();
     if (block && study.cells[0] * study.refine % 2 != 0)
-        mesh.refuse("refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
+        mesh.refuse("refine", "times lattice.cells[0] must be even, so that the two halves are symmetric");
     study.check_refine = static_cast<int>(mesh.optional_integer("check_refine", 0, 100).value_or(0));
     study.check_fraction = mesh.optional_number("check_fraction", {0, 1}).value_or(1);
     if (study.check_refine != 0 && study.check_refine <= study.refine)
         mesh.refuse("check_refine", "must be 0 or larger than refine");
     if (block && study.cells[0] * study.check_refine % 2 != 0)
-        mesh.refuse("check_refine", "times lattice.cells[0] must be even, so that the two halves mirror each other");
+        mesh.refuse("check_refine", "times lattice.cells[0] must be even, so that the two halves are symmetric");
     mesh.refuse_the_rest();
 
     TomlReader indenter = in.table("indenter");
@@ -342,18 +344,18 @@ void read_fe(TomlReader& in, Study& study) {
     const bool patch = study.indenter.kind == "patch";
     study.indenter.half_width_m = patch ? indenter.number("half_width_m", positive) : 0;
     indenter.refuse_the_rest();
-    // the ends of a patch become FE nodes by sliding those there are; longer elements have none to slide
+    // FE nodes near the ends of a patch are moved onto them; with longer elements there would be no node to move
     if (patch && study.spring_size_m / study.refine > 1.001 * study.indenter.half_width_m)
-        mesh.refuse("refine", "must make finite elements, lattice.size_m / refine, no longer than indenter.half_width_m");
+        mesh.refuse("refine", "must make finite elements, lattice.size_m / refine, at most as long as indenter.half_width_m");
 
     study.solver = read_solver(in.table("solver"));
     study.loads = read_loads(in.table("loads"), study.geometry, study.indenter);
 }
 
-/// Measured contacts, in place of all that.
+/// [data]: measured contacts in place of finite elements.
 void read_data(TomlReader& in, Study& study) {
     for (const char* key : {"mesh", "indenter", "solver", "loads", "draws", "variants", "histories"})
-        if (in.has(key)) in.refuse(key, "belongs to finite elements; a study with [data] has none");
+        if (in.has(key)) in.refuse(key, "needs finite elements; a study with [data] has none");
     TomlReader data = in.table("data");
     Study::Data d;
     d.file = (std::filesystem::path(study.file).parent_path() / data.text("file")).lexically_normal().string();
@@ -363,9 +365,9 @@ void read_data(TomlReader& in, Study& study) {
     d.held_out_part = data.number("held_out_part", {0, 0.5, true});
     d.surface_tolerance_m = data.optional_number("surface_tolerance_m", not_negative).value_or(0.0005);
     d.stated_force_noise = data.optional_number("stated_force_noise", not_negative);
-    if (study.material.fits_shares && d.histories.empty()) data.refuse("histories", "is missing: material.viscosity leaves its shares to them");
+    if (study.material.fits_shares && d.histories.empty()) data.refuse("histories", "is missing: material.viscosity needs it to fit the relative moduli");
     if (!d.histories.empty() && !study.material.relaxes())
-        data.refuse("histories", "belongs to tissue that relaxes; give material.viscosity = \"measured\", and moduli");
+        data.refuse("histories", "needs tissue that relaxes; give material.viscosity = \"measured\", and moduli");
     data.refuse_the_rest();
     study.data = d;
 }
@@ -472,14 +474,14 @@ Study read_study(const std::string& file) {
         study.spring_size_m = lattice.number("size_m", positive);
         lattice.refuse_the_rest();
     } else if (in.has("lattice")) {
-        in.refuse("lattice", solid ? "is for the block, or a shape that is a .geo or a surface; a .msh has its tetrahedra already"
-                                   : "is for the block, or a shape that is a .geo; a .msh has its triangles already");
+        in.refuse("lattice", solid ? "is only for the block, or a shape that is a .geo or a surface; a .msh already has tetrahedra"
+                                   : "is only for the block, or a shape that is a .geo; a .msh already has triangles");
     }
 
-    if (in.has("data") && !block) in.refuse("data", "is measured on the block; a shape has finite elements");
-    if (in.has("data") && solid) in.refuse("data", "is measured in the plane; a solid block has finite elements");
+    if (in.has("data") && !block) in.refuse("data", "is possible only on the block; a shape needs finite elements");
+    if (in.has("data") && solid) in.refuse("data", "is possible only in the plane; a solid block needs finite elements");
     if (in.has("nodule") && !solid) in.refuse("nodule", "needs a solid, one with geometry.length_m or geometry.solid");
-    if (in.has("nodule") && !study.material.regions.empty()) in.refuse("nodule", "cannot stand beside material.regions");
+    if (in.has("nodule") && !study.material.regions.empty()) in.refuse("nodule", "is not possible with material.regions");
     if (in.has("map") && (!solid || !block)) in.refuse("map", "needs a solid block, one with geometry.length_m");
     if (in.has("data"))
         read_data(in, study);
@@ -489,9 +491,9 @@ Study read_study(const std::string& file) {
         read_fe(in, study);
 
     study.springs = read_springs(in.table("springs"), study.geometry, study.data.has_value());
-    const bool law = study.springs.is_law();
-    if (!law && study.material.relaxes()) in.table("material").refuse("viscosity", "needs springs.stiffness = \"law\": sets do not relax");
-    const toml::table nothing;  // a law has a default for every key
+    const bool law = study.springs.is_energy_model();
+    if (!law && study.material.relaxes()) in.table("material").refuse("viscosity", "needs springs.stiffness = \"law\": spring sets do not relax");
+    const toml::table nothing;  // an energy model has a default for every key of [training]
     if (law) {
         const TomlReader training = in.has("training") ? in.table("training") : TomlReader(nothing, file, "training");
         study.training = read_law_training(training, study.data.has_value());
@@ -504,7 +506,7 @@ Study read_study(const std::string& file) {
     }
     if (in.has("histories")) read_histories(in, study);
     if (in.has("variants")) {
-        if (!law) in.refuse("variants", "are of a law; this study's stiffness is sets");
+        if (!law) in.refuse("variants", "need an energy model; this study has spring sets");
         if (!solid && !study.loads.sweep) in.refuse("variants", "needs a study with loads.sweep");
         for (const TomlReader& variant : in.tables("variants")) study.variants.push_back(read_variant(variant, study));
     }

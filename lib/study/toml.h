@@ -5,7 +5,7 @@
 
 namespace tissue {
 
-/// A malformed text has reached a state that toml++ asserts it cannot (3.3: "[,", "a = {b = ,").
+/// A malformed text failed an assertion within toml++ (in 3.3 for instance "[,", "a = {b = ,").
 struct TomlAssertion : std::logic_error {
     using std::logic_error::logic_error;
 };
@@ -16,8 +16,8 @@ struct TomlAssertion : std::logic_error {
 
 }  // namespace tissue
 
-// The only way to toml++. Its assertions throw, in every build: where NDEBUG is defined it would turn some of them into
-// promises to the compiler, and a malformed text into undefined behaviour.
+// toml++ is only included here. Its assertions throw in every build. With NDEBUG, toml++ would turn some of them into
+// assumptions of the compiler, and a malformed text would be undefined behaviour.
 #ifdef TOML_ASSERT
 #error "include study/toml.h before toml++"
 #endif
@@ -26,7 +26,7 @@ struct TomlAssertion : std::logic_error {
 #pragma push_macro("NDEBUG")
 #undef NDEBUG
 #include <toml++/impl/preprocessor.h>
-// 3.3 also promises the compiler that no letter stands where space may ("a = 1é"): one that does is not space
+// toml++ 3.3 also marks a letter in the place of white space as unreachable ("a = 1é"). Here it is not white space.
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false
@@ -34,4 +34,4 @@ struct TomlAssertion : std::logic_error {
 #pragma pop_macro("TOML_UNREACHABLE")
 #include <toml++/toml.h>
 #pragma pop_macro("NDEBUG")
-#include <cassert>  // as NDEBUG has it again
+#include <cassert>  // redefines assert for the restored NDEBUG

@@ -23,10 +23,11 @@ bool inside(double value, const Range& range) {
     return std::isfinite(value) && value <= range.high && (range.low_open ? value > range.low : value >= range.low);
 }
 
-/// toml++ nests a table a dot, and its own destructors follow by recursion: a key without end would exhaust the stack.
+/// toml++ nests one table for each dot of a key and destroys them by recursion. A very long key would exhaust the
+/// stack.
 constexpr std::size_t longest_line = 10000;
 
-/// The line at which parsing the text fails an assertion: the first that does it with nothing behind it.
+/// The first line such that parsing the text up to its end fails an assertion.
 int failing_line(const std::string& text, const std::string& file) {
     int line = 1;
     for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end + 1), ++line) try {
@@ -72,24 +73,24 @@ std::string TomlReader::beside(const std::string& key, const std::string& name) 
     return (std::filesystem::path(file_of(key)).parent_path() / name).lexically_normal().string();
 }
 
-/// A key that is there is named where it stands. One that is not there is the study's to give: the study is named, and beside it
-/// the file from which the study has the rest of the table.
+/// For a key that exists, the message gives the file and line that contain it. For a missing key it names the study,
+/// and the file from which the study has the rest of the table.
 void TomlReader::refuse(const std::string& key, const std::string& why) const {
     const toml::node* node = table_->get(key);
     const std::string holder = file_of(key), name = path_.empty() ? key : path_ + "." + key;
     const auto line = (node ? node->source() : table_->source()).begin.line;
     if (node) {
-        const std::string user = holder == file_ ? "" : fmt::format(" ({} takes it from there)", file_);
+        const std::string user = holder == file_ ? "" : fmt::format(" (base of {})", file_);
         throw StudyError(one_line(fmt::format("{}:{}: key '{}': {}{}", holder, line, name, why, user)));
     }
-    const std::string rest = holder == file_ ? "" : fmt::format(" (the rest of '{}' is that of {}:{})", path_, holder, line);
+    const std::string rest = holder == file_ ? "" : fmt::format(" (the other keys of '{}' are from {}:{})", path_, holder, line);
     throw StudyError(one_line(fmt::format("{}:{}: key '{}': {}{}", file_, holder == file_ ? line : 1, name, why, rest)));
 }
 
 const toml::node& TomlReader::require(const std::string& key) {
     known_.insert(key);
     const toml::node* node = table_->get(key);
-    if (!node) refuse(key, path_.empty() ? "is missing; a study gives it, or is based on one that does (based_on)" : "is missing");
+    if (!node) refuse(key, path_.empty() ? "is missing; give it, or base the study on one that has it (based_on)" : "is missing");
     return *node;
 }
 

@@ -11,21 +11,21 @@
 
 namespace tissue {
 
-/// The text of a TOML file. Throws StudyError with file, line and cause for whatever is not TOML.
+/// Parses the text of a TOML file. Throws StudyError with file, line and cause where it is not TOML.
 toml::table parse_toml(const std::string& text, const std::string& file);
 
-/// Inclusive range of allowed numbers, unless a bound is said to be open.
+/// Range of allowed numbers. Both bounds are included, the lower one unless it is open.
 struct Range {
     double low = -std::numeric_limits<double>::infinity();
     double high = std::numeric_limits<double>::infinity();
     bool low_open = false;
 };
 
-/// Reads keys of one TOML table, remembers which were asked for, and refuses what is left over. Every refusal is a
+/// Reads the keys of one TOML table, records which keys were read, and refuses all others. Every refusal is a
 /// StudyError with file, line, key, and what is allowed.
 class TomlReader {
    public:
-    /// path: how messages name the table ("training"), empty for the root.
+    /// path: name of the table in messages ("training"), empty for the root.
     TomlReader(const toml::table& table, std::string file, std::string path);
 
     TomlReader table(const std::string& key);
@@ -37,27 +37,27 @@ class TomlReader {
     std::optional<long> optional_integer(const std::string& key, long low, long high);
     bool flag(const std::string& key);
     std::string text(const std::string& key);
-    bool is_text(const std::string& key) const;  ///< whether there is such a key, and it is a text
-    bool is_list(const std::string& key) const;  ///< whether there is such a key, and it is a list
+    bool is_text(const std::string& key) const;  ///< whether the key exists and is a text
+    bool is_list(const std::string& key) const;  ///< whether the key exists and is a list
     std::string choice(const std::string& key, const std::vector<std::string>& allowed);
     std::vector<std::string> texts(const std::string& key);
     std::vector<double> numbers(const std::string& key, Range range = {});
     std::vector<double> numbers(const std::string& key, std::size_t count, Range range = {});
-    /// A list of lists of so many numbers, not empty.
+    /// A list, not empty, of lists of `count` numbers each.
     std::vector<std::vector<double>> rows(const std::string& key, std::size_t count);
     std::vector<std::string> keys() const;  ///< in alphabetical order
     bool has(const std::string& key) const { return table_->contains(key); }
 
-    /// The file in which a key stands: a base study's, where it comes from there.
+    /// The file that contains a key; that of a base study where the key comes from it.
     std::string file_of(const std::string& key) const;
 
-    /// A file of this name beside that one.
+    /// Path of a file `name`, relative to the folder of file_of(key).
     std::string beside(const std::string& key, const std::string& name) const;
 
-    /// For a list that another key stands in for.
+    /// Refuses a key that is neither absent nor an empty list, for instance because another key replaces it.
     void refuse_unless_empty(const std::string& key, const std::string& why);
 
-    /// Throws for keys that nobody asked for.
+    /// Throws for keys that were not read.
     void refuse_the_rest() const;
 
     [[noreturn]] void refuse(const std::string& key, const std::string& why) const;

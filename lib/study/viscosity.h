@@ -5,15 +5,17 @@
 
 namespace tissue {
 
-/// Tissue that relaxes: keys `viscosity` and `moduli` of a study. All refuse as TomlReader does.
+/// Readers of the keys `viscosity` and `moduli` of a study. All throw StudyError as TomlReader does.
 
-/// `viscosity` and `moduli` of [material], whose law and moduli are read already; makes these instantaneous. An empty list is elastic.
-/// fe: whether finite elements are to relax: those of plane stress, and of Ogden's law in space, cannot. Where there are none, shares may be left to
-/// measured histories: no g in any branch, or "measured" in place of the list, which leaves the times to them too.
+/// Reads `viscosity` and `moduli` of [material], whose material law and moduli are read already, and makes the moduli
+/// instantaneous. An empty list means elastic.
+/// fe: whether finite elements are to relax. They cannot in plane stress, nor with Ogden's law in space. Without finite
+/// elements the relative moduli may be left to a fit to measured histories: then no branch has a g. With "measured" in
+/// place of the list the relaxation times are left to the fit too.
 void read_viscosity(TomlReader& in, Study::Material& material, bool fe);
 
-/// `viscosity` of a region or the nodule, whose moduli are read already: shares of its own, of the material's times, or the material's
-/// shares. Makes the moduli instantaneous.
+/// Reads `viscosity` of a region or the nodule, whose moduli are read already, and makes the moduli instantaneous. The
+/// relative moduli are its own or, without the key, the material's; the relaxation times are the material's.
 void read_own_viscosity(TomlReader& in, const Study::Material& material, Study::LawParameters& own);
 
 }  // namespace tissue

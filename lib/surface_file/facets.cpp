@@ -14,14 +14,15 @@
 namespace tissue::surface_file {
 namespace {
 
-constexpr double same_point = 1e-8;  // of the extent's diagonal
-constexpr std::size_t most_divided = 1'000'000'000;  // corners to the third: what dividing costs, some twenty seconds
+constexpr double same_point = 1e-8;  // tolerance over the diagonal of the bounding box
+constexpr std::size_t most_divided = 1'000'000'000;  // sum of corners^3; dividing them takes some twenty seconds
 
 bool usable(const MshFile::Point& p) {
     return std::isfinite(p.x + p.y + p.z) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= largest_coordinate;
 }
 
-/// Points that are one where they are nearer to each other than a tolerance along every axis.
+/// Merges points that differ by at most a tolerance along every axis: each becomes the first such point. A hash grid
+/// with boxes of the tolerance finds the candidates.
 class Points {
    public:
     Points(const std::vector<std::array<MshFile::Point, 3>>& facets, std::vector<MshFile::Point>& points) : points_(points) {
@@ -66,7 +67,7 @@ class Points {
     }
 
     int first_or_new(const MshFile::Point& p, const Box& box) {
-        if (!(tolerance_ > 0) && !points_.empty()) return 0;  // all are one
+        if (!(tolerance_ > 0) && !points_.empty()) return 0;  // all points are equal
         points_.push_back(p);
         in_box_[box].push_back(static_cast<int>(points_.size()) - 1);
         return static_cast<int>(points_.size()) - 1;
@@ -100,29 +101,30 @@ void Facets::add(const std::array<MshFile::Point, 3>& corners) {
 }
 
 void Facets::add_triangle(const std::array<MshFile::Point, 3>& corners, long line) {
-    if (corners_.size() == most_facets) throw FileError(fmt::format("{}: has more than {} facets; at most as many are read", file_, most_facets));
+    if (corners_.size() == most_facets) throw FileError(fmt::format("{}: has more than {} facets; this is the most that is read", file_, most_facets));
     for (const MshFile::Point& p : corners)
-        if (!usable(p)) refuse(fmt::format("has a coordinate that is no finite number, or beyond {:g}", largest_coordinate), line);
+        if (!usable(p)) refuse(fmt::format("has a coordinate that is not a finite number, or beyond {:g}", largest_coordinate), line);
     corners_.push_back(corners);
     group_.push_back(now_);
 }
 
 void Facets::add(const std::vector<MshFile::Point>& points, const std::vector<long long>& of_points, long line) {
     ++given_;
-    if (of_points.size() < 3 || of_points.size() > most_corners) refuse(fmt::format("has {} corners; a facet has 3 to {}", of_points.size(), most_corners), line);
+    if (of_points.size() < 3 || of_points.size() > most_corners) refuse(fmt::format("has {} corners; a facet must have 3 to {}", of_points.size(), most_corners), line);
     std::vector<MshFile::Point> polygon;
     const auto same = [](const MshFile::Point& a, const MshFile::Point& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
     for (const long long there : of_points) {
-        if (there < 0 || there >= static_cast<long long>(points.size())) refuse(fmt::format("names a point that the file does not have: it has {}", points.size()), line);
+        if (there < 0 || there >= static_cast<long long>(points.size())) refuse(fmt::format("names a point that the file does not have; it has {} points", points.size()), line);
         const MshFile::Point& p = points[static_cast<std::size_t>(there)];
-        if (!usable(p)) refuse(fmt::format("has a coordinate that is no finite number, or beyond {:g}", largest_coordinate), line);
-        if (polygon.empty() || !same(polygon.back(), p)) polygon.push_back(p);  // programs write a triangle as a quadrilateral with a corner twice
+        if (!usable(p)) refuse(fmt::format("has a coordinate that is not a finite number, or beyond {:g}", largest_coordinate), line);
+        // some programs write a triangle as a quadrilateral with one corner twice
+        if (polygon.empty() || !same(polygon.back(), p)) polygon.push_back(p);
     }
     while (polygon.size() > 1 && same(polygon.front(), polygon.back())) polygon.pop_back();
     if (polygon.size() < 3) return;
     if (polygon.size() == 3) return add_triangle({polygon[0], polygon[1], polygon[2]}, line);
     divided_ += polygon.size() * polygon.size() * polygon.size();
-    if (divided_ > most_divided) refuse("is one of too many facets with many corners", line);
+    if (divided_ > most_divided) refuse("exceeds the limit for facets with many corners", line);
     const auto triangles = divide_facet(polygon);
     if (triangles.size() != polygon.size() - 2) refuse("cannot be divided into triangles", line);
     for (const auto& t : triangles) add_triangle({polygon[t[0]], polygon[t[1]], polygon[t[2]]}, line);
@@ -141,7 +143,7 @@ MshFile Facets::mesh() const {
         if (!used[k]) continue;
         const std::string number = std::to_string(k + 1);
         if (!named[k] && std::find(names_.begin(), names_.end(), number) != names_.end())
-            throw FileError(fmt::format("{0}: its part {1} has no name, and another part is called '{1}': give every part a name", file_, number));
+            throw FileError(fmt::format("{0}: its part {1} has no name, and another part has the name '{1}': give every part a name", file_, number));
         mesh.triangle_names[static_cast<int>(k) + 1] = named[k] ? names_[k] : number;
     }
     Points points(corners_, mesh.points);

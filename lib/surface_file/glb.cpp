@@ -15,12 +15,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int deepest = 64;  // of nodes within nodes, and of the JSON itself
-constexpr int triangles_mode = 4, of_bytes = 5121, of_shorts = 5123, of_ints = 5125, of_floats = 5126;  // glTF 2.0, 3.6 and 3.7
+constexpr int deepest = 64;  // deepest nesting of nodes, and of the JSON itself
+// glTF 2.0, sections 3.6 and 3.7
+constexpr int triangles_mode = 4, of_bytes = 5121, of_shorts = 5123, of_ints = 5125, of_floats = 5126;
 
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
     std::uint32_t value = 0;
-    std::memcpy(&value, bytes.data() + at, sizeof value);  // little-endian, as every machine that we support
+    std::memcpy(&value, bytes.data() + at, sizeof value);  // .glb is little-endian, and so are all supported machines
     return value;
 }
 
@@ -31,9 +32,9 @@ class Reader {
     Facets read() {
         for (const std::string& name : model_.value("extensionsRequired", std::vector<std::string>{})) {
             const auto begins = [&](std::string_view with) { return name.compare(0, with.size(), with) == 0; };
-            if (!begins("KHR_materials_") && !begins("KHR_texture_") && !begins("EXT_texture_")) refuse(fmt::format("needs the extension {}, which is not read", name));
+            if (!begins("KHR_materials_") && !begins("KHR_texture_") && !begins("EXT_texture_")) refuse(fmt::format("needs the extension {}, which is not supported", name));
         }
-        if (!part("buffers").empty() && part("buffers").front().contains("uri")) refuse("has its numbers outside of it, which is not read");
+        if (!part("buffers").empty() && part("buffers").front().contains("uri")) refuse("has its data in another file, which is not supported");
         const Json& scenes = part("scenes");
         if (scenes.empty()) refuse("has no scene");
         for (const Json& node : one_of("scenes", model_.value("scene", 0)).value("nodes", Json::array())) add_node(node, Eigen::Affine3d::Identity(), 0);
@@ -58,7 +59,7 @@ class Reader {
         if (!node.contains(name)) return otherwise;
         const Json& all = node.at(name);
         Vector x = otherwise;
-        if (all.size() != static_cast<std::size_t>(x.size())) refuse(fmt::format("a node's {} has {} numbers; it has {}", name, all.size(), x.size()));
+        if (all.size() != static_cast<std::size_t>(x.size())) refuse(fmt::format("a node's {} has {} numbers, must have {}", name, all.size(), x.size()));
         for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] = all.at(static_cast<std::size_t>(i)).get<double>();
         return x;
     }
@@ -77,13 +78,13 @@ class Reader {
     }
 
     void add_node(const Json& k, const Eigen::Affine3d& above, int depth) {
-        if (depth == deepest) refuse(fmt::format("has nodes within nodes, {} deep", deepest));
+        if (depth == deepest) refuse(fmt::format("has nodes nested {} deep, which is too deep", deepest));
         const Json& node = one_of("nodes", k);
-        if (seen_[k.get<std::size_t>()]) refuse(fmt::format("node {} is reached twice; a scene is a tree", k.get<std::size_t>()));
+        if (seen_[k.get<std::size_t>()]) refuse(fmt::format("node {} is reached twice; a scene must be a tree", k.get<std::size_t>()));
         seen_[k.get<std::size_t>()] = true;
         const Eigen::Affine3d place = above * place_of(node);
-        if (node.contains("skin")) refuse(fmt::format("node {} has a skin, which is not read", k.get<std::size_t>()));
-        if (node.contains("extensions") && node.at("extensions").contains("EXT_mesh_gpu_instancing")) refuse("has instances (EXT_mesh_gpu_instancing), which are not read");
+        if (node.contains("skin")) refuse(fmt::format("node {} has a skin, which is not supported", k.get<std::size_t>()));
+        if (node.contains("extensions") && node.at("extensions").contains("EXT_mesh_gpu_instancing")) refuse("has instances (EXT_mesh_gpu_instancing), which are not supported");
         if (node.contains("mesh")) {
             const Json& mesh = one_of("meshes", node.at("mesh"));
             const std::string name = mesh.value("name", "");
@@ -93,7 +94,7 @@ class Reader {
         for (const Json& child : node.value("children", Json::array())) add_node(child, place, depth + 1);
     }
 
-    /// Bytes of an accessor, whose bounds are checked.
+    /// The bytes of an accessor. view() checks its bounds.
     struct View {
         const char* begin;
         std::size_t stride, count;
@@ -102,28 +103,28 @@ class Reader {
     };
     View view(const Json& k, const char* shape, std::size_t components, const std::string& mesh) const {
         const Json& accessor = one_of("accessors", k);
-        if (accessor.contains("sparse") || !accessor.contains("bufferView")) refuse(fmt::format("mesh '{}' is sparse or compressed, which is not read", mesh));
+        if (accessor.contains("sparse") || !accessor.contains("bufferView")) refuse(fmt::format("mesh '{}' is sparse or compressed, which is not supported", mesh));
         const Json& all = one_of("bufferViews", accessor.at("bufferView"));
-        if (all.contains("extensions") && all.at("extensions").contains("EXT_meshopt_compression")) refuse(fmt::format("mesh '{}' is compressed, which is not read", mesh));
-        if (all.value("buffer", 0) != 0) refuse(fmt::format("mesh '{}' lies in a second buffer, which a .glb does not hold", mesh));
+        if (all.contains("extensions") && all.at("extensions").contains("EXT_meshopt_compression")) refuse(fmt::format("mesh '{}' is compressed, which is not supported", mesh));
+        if (all.value("buffer", 0) != 0) refuse(fmt::format("mesh '{}' is in a second buffer, which a .glb does not have", mesh));
         const int type = accessor.at("componentType").get<int>();
         const std::size_t each = type == of_bytes ? 1 : type == of_shorts ? 2 : type == of_ints || type == of_floats ? 4 : 0;
-        if (accessor.at("type").get<std::string>() != shape || each == 0) refuse(fmt::format("mesh '{}': numbers of another kind than glTF's", mesh));
+        if (accessor.at("type").get<std::string>() != shape || each == 0) refuse(fmt::format("mesh '{}': has a number type that is not one of glTF", mesh));
         const auto number = [&](const Json& of, const char* name, std::uint64_t otherwise) { return of.value(name, otherwise); };
         const std::uint64_t from = number(all, "byteOffset", 0), length = number(all, "byteLength", 0), offset = number(accessor, "byteOffset", 0), count = number(accessor, "count", 0),
                             stride = number(all, "byteStride", each * components);
         const std::uint64_t there = bytes_.size();
         const bool inside = from <= there && length <= there - from && offset <= length && stride >= each * components && stride <= 255 && count <= there && (count == 0 || (count - 1) * stride + each * components <= length - offset);
-        if (!inside) refuse(fmt::format("mesh '{}': its numbers lie beyond their part of the file, of {} bytes", mesh, length));
+        if (!inside) refuse(fmt::format("mesh '{}': its data extend beyond their part of the file, of {} bytes", mesh, length));
         return {bytes_.data() + from + offset, static_cast<std::size_t>(stride), static_cast<std::size_t>(count), type};
     }
 
     void add(const Json& primitive, const Eigen::Affine3d& place, const std::string& name) {
-        if (primitive.value("mode", triangles_mode) != triangles_mode) refuse(fmt::format("mesh '{}' has primitives of mode {}; triangles (4) are read", name, primitive.value("mode", triangles_mode)));
-        if (primitive.contains("targets")) refuse(fmt::format("mesh '{}' has morph targets, which are not read", name));
+        if (primitive.value("mode", triangles_mode) != triangles_mode) refuse(fmt::format("mesh '{}' has primitives of mode {}; only triangles (4) are read", name, primitive.value("mode", triangles_mode)));
+        if (primitive.contains("targets")) refuse(fmt::format("mesh '{}' has morph targets, which are not supported", name));
         if (!primitive.at("attributes").contains("POSITION")) refuse(fmt::format("mesh '{}' has no positions", name));
         const View at = view(primitive.at("attributes").at("POSITION"), "VEC3", 3, name);
-        if (at.type != of_floats) refuse(fmt::format("mesh '{}': its positions are no floats", name));
+        if (at.type != of_floats) refuse(fmt::format("mesh '{}': its positions are not floats", name));
         const auto point = [&](std::uint32_t n) {
             if (n >= at.count) refuse(fmt::format("mesh '{}' names point {} of {}", name, n, at.count));
             Eigen::Vector3f x;
@@ -133,15 +134,15 @@ class Reader {
         };
         std::optional<View> indices;
         if (primitive.contains("indices")) indices = view(primitive.at("indices"), "SCALAR", 1, name);
-        if (indices && indices->type == of_floats) refuse(fmt::format("mesh '{}': its indices are no whole numbers", name));
+        if (indices && indices->type == of_floats) refuse(fmt::format("mesh '{}': its indices are not whole numbers", name));
         const auto corner = [&](std::size_t n) {
             auto value = static_cast<std::uint32_t>(n);
             if (indices) value = 0, std::memcpy(&value, indices->of(n), indices->type == of_bytes ? 1 : indices->type == of_shorts ? 2 : 4);
             return point(value);
         };
         const std::size_t count = indices ? indices->count : at.count;
-        if (count % 3 != 0) refuse(fmt::format("mesh '{}' has {} corners of triangles", name, count));
-        const bool mirrored = place.linear().determinant() < 0;  // glTF 2.0, 3.5.3: then triangles are wound the other way
+        if (count % 3 != 0) refuse(fmt::format("mesh '{}' has {} corners of triangles, not a multiple of 3", name, count));
+        const bool mirrored = place.linear().determinant() < 0;  // then the winding is reversed (glTF 2.0, 3.5.3)
         for (std::size_t c = 0; c < count; c += 3) facets_.add({corner(c), corner(c + (mirrored ? 2 : 1)), corner(c + (mirrored ? 1 : 2))});
     }
 
@@ -156,26 +157,26 @@ class Reader {
 
 Facets read_glb(const std::string& file, std::string_view content) try {
     constexpr std::size_t head = 12, chunk = 8;
-    const auto refuse = [&](const char* why) { throw FileError(fmt::format("{}: is no .glb: {}", file, why)); };
+    const auto refuse = [&](const char* why) { throw FileError(fmt::format("{}: is not a .glb: {}", file, why)); };
     if (content.size() < head + chunk || content.substr(0, 4) != "glTF") refuse("it does not begin with 'glTF' and its lengths");
     if (word_at(content, 4) != 2) refuse("its version is not 2");
     const std::size_t length = word_at(content, head);
-    if (content.substr(head + 4, 4) != "JSON" || length > content.size() - head - chunk) refuse("its JSON is cut off");
+    if (content.substr(head + 4, 4) != "JSON" || length > content.size() - head - chunk) refuse("its JSON is truncated");
     const Json model = Json::parse(content.substr(head + chunk, length), [&](int depth, Json::parse_event_t, Json&) {
-        if (depth > deepest) refuse("its JSON is nested too deep");
+        if (depth > deepest) refuse("its JSON is nested too deeply");
         return true;
     });
     std::string_view bytes = content.substr(head + chunk + length);
     if (bytes.size() >= chunk) {
         const std::size_t there = word_at(bytes, 0);
-        if (bytes.substr(4, 4) != std::string_view("BIN\0", 4) || there > bytes.size() - chunk) refuse("its numbers are cut off");
+        if (bytes.substr(4, 4) != std::string_view("BIN\0", 4) || there > bytes.size() - chunk) refuse("its data are truncated");
         bytes = bytes.substr(chunk, there);
     } else {
         bytes = {};
     }
     return Reader(file, model, bytes).read();
 } catch (const Json::exception& e) {
-    throw FileError(fmt::format("{}: is no .glb as glTF 2.0 says: {}", file, e.what()));
+    throw FileError(fmt::format("{}: is not a valid .glb (glTF 2.0): {}", file, e.what()));
 }
 
 }  // namespace tissue::surface_file

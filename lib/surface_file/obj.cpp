@@ -13,20 +13,20 @@ constexpr const char *vertex = "v x y z", *facet = "f i j k ..";
 
 }  // namespace
 
-// Of our own: CGAL's reader knows no groups and refuses lines of edges, tinyobjloader reads a damaged number as zero.
+// A reader of our own: CGAL's ignores groups and refuses lines of edges; tinyobjloader reads a damaged number as zero.
 Facets read_obj(const std::string& file, std::string_view content) {
     TextLines lines(file, without_mark(content));
     using Group = std::pair<std::string, std::string>;  // object and group
     std::vector<MshFile::Point> points;
-    std::vector<std::vector<long long>> polygons;  // a facet may name points that follow
+    std::vector<std::vector<long long>> polygons;  // kept, as a facet may name points that follow it
     std::vector<long> line_of;
     std::vector<std::size_t> group;
-    std::vector<Group> groups;  // that have facets
+    std::vector<Group> groups;  // groups with facets
     std::map<Group, std::size_t> place_of;
     Group now;
     for (std::string_view line = lines.next(); !line.empty(); line = lines.next()) {
         const std::string_view word = take_word(line);
-        if (word == "v" || word == "f") line = line.substr(0, line.find('#'));  // a name may have one
+        if (word == "v" || word == "f") line = line.substr(0, line.find('#'));  // comments; a name may have a #
         if (word == "v") {
             MshFile::Point p{};
             for (double* value : {&p.x, &p.y, &p.z}) *value = lines.take_number(line, vertex);

@@ -28,7 +28,7 @@ constexpr std::size_t most_properties = 1000;
 struct Property {
     std::string name;
     Type type;
-    std::optional<Type> length;  // of a list
+    std::optional<Type> length;  // type of a list's length; none: a single value
 };
 
 struct Element {
@@ -38,7 +38,7 @@ struct Element {
     bool is(std::string_view one, std::string_view many) const { return name == one || name == many; }
 };
 
-/// One value after another, of an ASCII file or of either binary kind.
+/// Takes value after value from an ASCII file or from either binary kind.
 class Values {
    public:
     enum class Kind { ascii, little, big };
@@ -50,7 +50,7 @@ class Values {
     double take(Type type) {
         if (kind_ == Kind::ascii) return lines_.take_real(line_, "as many numbers as the element has");
         const std::size_t size = types[static_cast<std::size_t>(type)].bytes;
-        if (bytes_.size() - at_ < size) throw FileError(fmt::format("{}: breaks off within an element, {} bytes behind its head", file_, at_));
+        if (bytes_.size() - at_ < size) throw FileError(fmt::format("{}: is truncated within an element, {} bytes after its header", file_, at_));
         std::array<char, 8> raw{};
         std::memcpy(raw.data(), bytes_.data() + at_, size);
         at_ += size;
@@ -84,7 +84,7 @@ class Values {
 Type type_of(std::string_view word, const TextLines& lines) {
     for (const auto& type : types)
         if (word == type.name || word == type.also) return type.type;
-    lines.refuse(fmt::format("'{}' is no type of a .ply's numbers", word));
+    lines.refuse(fmt::format("'{}' is not a number type of .ply", word));
 }
 
 struct Head {
@@ -93,7 +93,7 @@ struct Head {
 };
 
 Head read_head(TextLines& lines) {
-    if (lines.want("ply") != "ply") lines.refuse("is no .ply: it does not begin with 'ply'");
+    if (lines.want("ply") != "ply") lines.refuse("is not a .ply: it does not begin with 'ply'");
     Head head;
     bool has_format = false;
     for (;;) {
@@ -102,7 +102,7 @@ Head read_head(TextLines& lines) {
         if (word == "end_header") break;
         if (word == "format") {
             const std::string_view kind = take_word(line);
-            if (kind != "ascii" && kind != "binary_little_endian" && kind != "binary_big_endian") lines.refuse(fmt::format("'{}' is no format of a .ply", kind));
+            if (kind != "ascii" && kind != "binary_little_endian" && kind != "binary_big_endian") lines.refuse(fmt::format("'{}' is not a format of .ply", kind));
             head.kind = kind == "ascii" ? Values::Kind::ascii : kind == "binary_big_endian" ? Values::Kind::big : Values::Kind::little;
             has_format = true;
         } else if (word == "element") {
@@ -115,7 +115,7 @@ Head read_head(TextLines& lines) {
                 if (before.name == element.name || (before.is("vertex", "vertices") && element.is("vertex", "vertices")) || (before.is("face", "faces") && element.is("face", "faces"))) lines.refuse(fmt::format("a second element '{}'", element.name));
             head.elements.push_back(element);
         } else if (word == "property") {
-            if (head.elements.empty()) lines.refuse("is a property of no element");
+            if (head.elements.empty()) lines.refuse("is a property without an element");
             Property property{};
             std::string_view type = take_word(line);
             if (type == "list") {
@@ -129,22 +129,23 @@ Head read_head(TextLines& lines) {
                 if (before.name == property.name) lines.refuse(fmt::format("a second property '{}'", property.name));
             head.elements.back().properties.push_back(property);
         } else if (word != "comment" && word != "obj_info") {
-            lines.refuse("is no line of a .ply's head");
+            lines.refuse("is not a line of a .ply header");
         }
     }
-    if (!has_format) lines.refuse("a .ply's head has a line 'format'");
+    if (!has_format) lines.refuse("the header has no line 'format'");
     return head;
 }
 
 }  // namespace
 
-// Of our own: CGAL's reader takes as much memory as a damaged length says, and shifts all values behind a type that it does not know.
+// A reader of our own: CGAL's allocates as much memory as a damaged length demands, and misreads all values after an
+// unknown type.
 Facets read_ply(const std::string& file, std::string_view content) {
     TextLines lines(file, content);
     const Head head = read_head(lines);
     Values values(file, lines, head.kind);
     std::vector<MshFile::Point> points;
-    std::vector<std::vector<long long>> polygons;  // points may stand behind them
+    std::vector<std::vector<long long>> polygons;  // kept, as points may follow them
     std::vector<long> line_of;
     bool facets_there = false;
     for (const Element& element : head.elements) {
@@ -154,7 +155,7 @@ Facets read_ply(const std::string& file, std::string_view content) {
             return std::any_of(element.properties.begin(), element.properties.end(), [&](const Property& p) { return p.name == name && p.length.has_value() == list; });
         };
         if (vertex && !(has("x", false) && has("y", false) && has("z", false))) throw FileError(file + ": has no points with x, y and z");
-        if (face && has("vertex_indices", true) == has("vertex_index", true)) throw FileError(file + ": its faces have not one list 'vertex_indices' or 'vertex_index'");
+        if (face && has("vertex_indices", true) == has("vertex_index", true)) throw FileError(file + ": its faces must have one list 'vertex_indices' or 'vertex_index'");
         if (face && element.count > static_cast<long long>(most_facets)) throw FileError(fmt::format("{}: has {} facets; at most {} are read", file, element.count, most_facets));
         facets_there = facets_there || face;
         for (long long n = 0; n < element.count; ++n) {
@@ -164,10 +165,11 @@ Facets read_ply(const std::string& file, std::string_view content) {
             for (const Property& property : element.properties) {
                 const bool corner = face && property.length && (property.name == "vertex_indices" || property.name == "vertex_index");
                 const double count = property.length ? values.take(*property.length) : 1;
-                if (!(count >= 0 && count <= 1e6 && count == std::floor(count)) || (corner && count > most_corners)) throw FileError(fmt::format("{}: {} {} has a list '{}' of {:g}", file, element.name, n + 1, property.name, count));
+                if (!(count >= 0 && count <= 1e6 && count == std::floor(count)) || (corner && count > most_corners)) throw FileError(fmt::format("{}: {} {} has a list '{}' of length {:g}, which is not possible", file, element.name, n + 1, property.name, count));
                 for (int k = 0; k < static_cast<int>(count); ++k) {
                     const double value = values.take(property.type);
-                    if (corner) corners.push_back(value >= 0 && value < 1e15 && value == std::floor(value) ? static_cast<long long>(value) : -1);  // -1: refused as no point
+                    // Facets::add refuses -1
+                    if (corner) corners.push_back(value >= 0 && value < 1e15 && value == std::floor(value) ? static_cast<long long>(value) : -1);
                     if (vertex && !property.length && property.name.size() == 1 && property.name >= "x" && property.name <= "z") (property.name == "x" ? p.x : property.name == "y" ? p.y : p.z) = value;
                 }
             }

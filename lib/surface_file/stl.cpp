@@ -23,11 +23,11 @@ class AsciiReader {
         for (std::string_view line = lines_.next(); !line.empty(); line = lines_.next()) {
             const std::string_view word = take_word(line);
             if (is_word(word, "solid")) {
-                if (open) lines_.refuse("a solid begins where 'endsolid' should stand");
+                if (open) lines_.refuse("a solid begins before 'endsolid' of the solid before it");
                 facets_.begin_group(std::string(trimmed(line)));
                 open = true;
             } else if (is_word(word, "endsolid")) {
-                if (!open) lines_.refuse("'endsolid' stands where no solid has begun");
+                if (!open) lines_.refuse("'endsolid' without 'solid'");
                 open = false;
             } else if (is_word(word, "facet") && open) {
                 facet();
@@ -35,7 +35,7 @@ class AsciiReader {
                 lines_.refuse(open ? "is neither 'facet' nor 'endsolid'" : "is not 'solid'");
             }
         }
-        if (open) throw FileError(file_ + ": breaks off: 'endsolid' is missing");
+        if (open) throw FileError(file_ + ": is truncated: 'endsolid' is missing");
         return std::move(facets_);
     }
 
@@ -53,7 +53,8 @@ class AsciiReader {
         facets_.add(corners);
     }
 
-    /// What follows the word with which the next line has to begin.
+    /// Reads the next line, which must begin with `word`. Result: the rest of the line. whole: the line's form, for
+    /// messages.
     std::string_view want(std::string_view word, const char* whole) {
         std::string_view line = lines_.want(whole);
         if (!is_word(take_word(line), word)) lines_.refuse(fmt::format("is not '{}'", whole));
@@ -79,17 +80,18 @@ float little_endian_float(const char* bytes) {
 }
 
 Facets read_binary(const std::string& file, std::string_view bytes) {
-    if (bytes.size() < binary_head) throw FileError(file + ": is no .stl: it neither begins with 'solid' nor has the 84 bytes with which a binary one begins");
+    if (bytes.size() < binary_head) throw FileError(file + ": is not an .stl: it neither begins with 'solid' nor has the header of 84 bytes of a binary .stl");
     const std::uint32_t count = little_endian(&bytes[binary_head - 4]);
     if (count > most_facets && bytes.size() > binary_head + binary_facet * most_facets)
         throw FileError(fmt::format("{}: has {} facets; at most {} are read", file, count, most_facets));
-    if (binary_head + binary_facet * count > bytes.size())  // some programs write something behind; of a text these four bytes are far too many
-        throw FileError(fmt::format("{}: is cut off, or no .stl: as a binary one it says that it has {} facets, which take {} bytes; it has {}", file, count,
+    // more bytes are allowed, as some programs append data; the first bytes of a text make a far too large count
+    if (binary_head + binary_facet * count > bytes.size())
+        throw FileError(fmt::format("{}: is truncated, or not an .stl: the header of a binary .stl states {} facets, which need {} bytes; the file has {}", file, count,
                                     binary_head + binary_facet * std::size_t{count}, bytes.size()));
     Facets facets(file);
     facets.begin_group("");
     for (std::size_t f = 0; f < count; ++f) {
-        const char* corner = &bytes[binary_head + binary_facet * f] + 12;  // behind the normal
+        const char* corner = &bytes[binary_head + binary_facet * f] + 12;  // after the normal
         std::array<MshFile::Point, 3> corners;
         for (MshFile::Point& p : corners) {
             p = {little_endian_float(corner), little_endian_float(corner + 4), little_endian_float(corner + 8)};
@@ -100,7 +102,8 @@ Facets read_binary(const std::string& file, std::string_view bytes) {
     return facets;
 }
 
-/// Whether the text goes on as ASCII after a first line with `solid`: a binary file's head may begin with that word too.
+/// Whether a text that begins with `solid` is ASCII. A binary file's head may begin with that word too: a text with
+/// zero bytes must therefore have `facet` or `endsolid` on its second line.
 bool is_ascii(std::string_view text) {
     const bool no_zero = text.find('\0') == std::string_view::npos;
     text.remove_prefix(std::min(text.find_first_not_of(" \t\r\v\f\n"), text.size()));

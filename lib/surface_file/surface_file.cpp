@@ -33,7 +33,7 @@ bool is_surface_file(const std::string& file) { return kind_of(file) != nullptr;
 
 MshFile read_surface_file(const std::string& file) {
     const Kind* kind = kind_of(file);
-    if (kind == nullptr) throw FileError(fmt::format("{}: is not a surface's file, which ends in {}", file, surface_endings));
+    if (kind == nullptr) throw FileError(fmt::format("{}: is not a surface file; its name must end in {}", file, surface_endings));
     return kind->read(file, read_file(file)).mesh();
 }
 

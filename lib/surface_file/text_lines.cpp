@@ -55,7 +55,7 @@ std::string_view TextLines::next() {
 
 std::string_view TextLines::want(const char* whole) {
     const std::string_view line = next();
-    if (line.empty()) throw FileError(fmt::format("{}: breaks off where '{}' should stand", file_, whole));
+    if (line.empty()) throw FileError(fmt::format("{}: is truncated: '{}' is missing", file_, whole));
     return line;
 }
 
@@ -67,7 +67,7 @@ double TextLines::take_real(std::string_view& line, const char* whole) const {
 
 double TextLines::take_number(std::string_view& line, const char* whole) const {
     const double value = take_real(line, whole);
-    if (!(std::abs(value) <= largest_coordinate)) refuse(fmt::format("has a coordinate that is no finite number, or beyond {:g}", largest_coordinate));
+    if (!(std::abs(value) <= largest_coordinate)) refuse(fmt::format("has a coordinate that is not a finite number, or beyond {:g}", largest_coordinate));
     return value;
 }
 

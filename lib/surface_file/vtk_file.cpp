@@ -10,14 +10,14 @@
 namespace tissue {
 
 std::string vtk_refusal(const std::string& file) {
-    constexpr std::size_t length = 4;  // of an ending
+    constexpr std::size_t length = 4;  // length of an ending
     if (file.size() <= length) return "";
     const std::string_view ending = std::string_view(file).substr(file.size() - length);
     const std::string stem = file.substr(0, file.size() - length);
     if (surface_file::is_word(ending, ".vtp") || surface_file::is_word(ending, ".vtk"))
-        return fmt::format("{0}: VTK surfaces are converted first: scripts/vtk_surface {0} {1}.obj", file, stem);
+        return fmt::format("{0}: is a VTK surface; convert it first: scripts/vtk_surface {0} {1}.obj", file, stem);
     if (surface_file::is_word(ending, ".vtu"))
-        return fmt::format("{0}: is an unstructured grid: save its surface as {1}.vtp (ParaView: Extract Surface) and convert that: scripts/vtk_surface {1}.vtp {1}.obj; or bring its tetrahedra as a .msh", file, stem);
+        return fmt::format("{0}: is an unstructured grid: save its surface as {1}.vtp (ParaView: Extract Surface) and convert that: scripts/vtk_surface {1}.vtp {1}.obj; or give its tetrahedra as a .msh", file, stem);
     return "";
 }
 

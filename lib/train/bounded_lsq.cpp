@@ -11,8 +11,8 @@
 namespace tissue {
 namespace {
 
-constexpr double armijo = 1e-4;        // the usual part of the slope's promise; Bertsekas 1982 asks for one in (0, 1/2)
-constexpr double largest_shift = 1e9;  // of a unit diagonal: steps below rounding
+constexpr double armijo = 1e-4;        // required part of the predicted decrease; Bertsekas 1982: in (0, 1/2)
+constexpr double largest_shift = 1e9;  // over the unit diagonal; steps are then below rounding
 
 }  // namespace
 
@@ -22,7 +22,7 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
     const Eigen::VectorXd& b = loss.target();
     const Eigen::Index springs = start.size();
 
-    // unit columns: x = norm theta; zero columns are taken out of the problem
+    // unit columns: x = norm theta; zero columns are removed from the problem
     Eigen::VectorXd norm(springs);
     for (Eigen::Index s = 0; s < springs; ++s) norm[s] = loss.matrix().col(s).norm();
     const double zero = options.zero_column * (springs > 0 ? norm.maxCoeff() : 0);
@@ -31,7 +31,7 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
         if (norm[s] > zero) kept.push_back(s);
     const int n = static_cast<int>(kept.size());
 
-    Eigen::VectorXd left_out = start;  // what the zero columns add to the force
+    Eigen::VectorXd left_out = start;  // theta of the removed columns
     SparseMatrix B(loss.matrix().rows(), n);
     Eigen::VectorXd x(n), lo(n), hi(n);
     B.reserve(loss.matrix().nonZeros());
@@ -65,13 +65,13 @@ BoundedLsqSummary solve_bounded_lsq(const ForceLoss& loss, const Eigen::VectorXd
             break;
         }
 
-        // the springs whose bounds are inactive
         inactive.clear();
         for (int k = 0; k < n; ++k)
             if (!(x[k] <= lo[k] && g[k] > 0) && !(x[k] >= hi[k] && g[k] < 0)) inactive.push_back(k);
 
-        // their Newton step, projected; a shorter one, then a larger shift, until the loss falls by a part of what the
-        // slope promises. Far enough up the shift makes it a short step of projected gradients, which always does.
+        // Projected Newton step of the inactive springs. It is shortened, then the shift is raised, until the loss
+        // falls by the Armijo part of the predicted decrease. With a large shift the step is a short projected gradient
+        // step, which satisfies the condition except at rounding.
         bool lower = false, whole = false;
         while (!lower && shift < largest_shift) {
             block = H(inactive, inactive);

@@ -15,7 +15,7 @@ CertifiedSets certify(const TrainingProblems& problems, const Box& box, int thre
                       {Eigen::VectorXd(C), Eigen::VectorXd(C), Eigen::VectorXd(C), Eigen::VectorXd(C),
                        std::vector<std::string>(problems.minimised.size()), 0},
                       std::vector<TrainSummary>(problems.minimised.size())};
-    OptimumProof& optimum = all.proof;
+    OptimumCertificate& optimum = all.proof;
     const auto begin = std::chrono::steady_clock::now();
     parallel_for(static_cast<int>(C), threads, [&](int c) {
         const auto i = static_cast<std::size_t>(c);
@@ -35,16 +35,16 @@ CertifiedSets certify(const TrainingProblems& problems, const Box& box, int thre
     return all;
 }
 
-TrainingBook gather(const std::string& optimizer, const std::vector<TrainSummary>& sets, const TrainingProblems& problems,
-                    const OptimumProof& optimum, double seconds) {
+SetDiagnostics gather(const std::string& optimizer, const std::vector<TrainSummary>& sets, const TrainingProblems& problems,
+                    const OptimumCertificate& optimum, double seconds) {
     const auto C = static_cast<Eigen::Index>(sets.size());
-    TrainingBook t;
+    SetDiagnostics t;
     t.optimizer = optimizer;
     t.seconds = seconds;
     t.loss_N.resize(C);
     t.rel_loss.resize(C);
     t.gap.resize(C);
-    std::map<int, Eigen::Index> column;  // sorted union of the sets' iterations
+    std::map<int, Eigen::Index> column;  // sorted union of the iterations of all learning curves
     for (const TrainSummary& s : sets)
         for (const LearningPoint& p : s.curve) column[p.iteration] = 0;
     for (auto& [iteration, index] : column) {

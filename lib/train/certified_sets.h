@@ -1,23 +1,24 @@
 #pragma once
 
 #include "train/objective.h"
-#include "train/training_books.h"
+#include "train/training_diagnostics.h"
 
 namespace tissue {
 
-/// The exact solution of every problem, and its certificate: what no set inside the box can beat.
+/// Exact solution of every problem, with its certificate (train/certificate.h).
 struct CertifiedSets {
     NodeField theta;                 ///< [N/m] (C x S)
-    OptimumProof proof;
-    std::vector<TrainSummary> sets;  ///< what an optimiser that is exact has to say: theta, loss and status (C)
+    OptimumCertificate proof;
+    std::vector<TrainSummary> sets;  ///< theta, loss and status, as an exact optimiser returns them (C)
 };
+/// threads: without influence on the result.
 CertifiedSets certify(const TrainingProblems& problems, const Box& box, int threads);
 
-/// What an optimiser wrote down of every problem, beside the certified optimum. `seconds`: wall time.
-TrainingBook gather(const std::string& optimizer, const std::vector<TrainSummary>& sets, const TrainingProblems& problems,
-                    const OptimumProof& optimum, double seconds);
+/// Summaries of one optimiser for all problems, with gaps to the certified optimum. sets (C); seconds: wall time.
+SetDiagnostics gather(const std::string& optimizer, const std::vector<TrainSummary>& sets, const TrainingProblems& problems,
+                    const OptimumCertificate& optimum, double seconds);
 
-/// The spring sets of an optimiser's summaries [N/m] (C x S).
+/// theta of all summaries [N/m] (C x S).
 NodeField theta_of(const std::vector<TrainSummary>& sets);
 
 }  // namespace tissue

@@ -5,7 +5,7 @@
 namespace tissue {
 namespace {
 
-/// How much the contact's reaction counts beside the nodes: enough that its error all but vanishes.
+/// Weight of the contact's reaction over that of nodal forces: large enough to make the reaction's error negligible.
 constexpr double reaction_factor = 30;
 
 }  // namespace
@@ -21,7 +21,7 @@ TrainingProblems ContactObjective::pose(const TrainingData& data) const {
     TrainingProblems p = node_problems(data, targets);
     p.nearly_solved = true;
     const int count = static_cast<int>(targets.size());
-    /// A case's loss with its reaction, as the compliance at theta tells it; nothing where the mesh is floppy.
+    /// Loss of case i with its reaction, through the compliance at theta; absent without a compliance (`floppy`).
     const auto seen_from = [&](std::size_t i, const Eigen::VectorXd& theta) -> std::optional<ForceLoss> {
         const std::optional<Eigen::MatrixXd> G =
             contact_sensitivity(data.mesh, data.law, theta, contacts[i], targets[i].displacement);
@@ -32,7 +32,7 @@ TrainingProblems ContactObjective::pose(const TrainingData& data) const {
         return data.settings.ridge > 0 ? with_ridge(loss, data.settings.ridge, data.heuristic) : loss;
     };
 
-    std::vector<ForceLoss> seen = p.base;  // the reactions of all contacts, through the heuristic's compliance
+    std::vector<ForceLoss> seen = p.base;  // with the reaction, through the heuristic's compliance
     p.minimised = p.base;
     parallel_for(count, data.threads, [&](int c) {
         const auto i = static_cast<std::size_t>(c);
@@ -46,8 +46,8 @@ TrainingProblems ContactObjective::pose(const TrainingData& data) const {
     parallel_for(count, data.threads, [&](int c) {
         const auto i = static_cast<std::size_t>(c);
         if (p.status[i] == ProblemStatus::floppy) return;
-        // the compliance that turns force residuals into the reaction's error is the set's own: one step towards it,
-        // however far the rough solution is from the exact one
+        // The compliance that maps force residuals to the error of the reaction should be that of the trained set. It
+        // is taken at a rough solution, in one step, without further iteration.
         BoundedLsqOptions rough = p.exact;
         rough.kkt_tolerance = 1e-6;
         const BoundedLsqSummary towards = solve_bounded_lsq(p.minimised[i], p.start[i], data.box, rough);

@@ -9,9 +9,9 @@
 namespace tissue {
 namespace {
 
-constexpr double near_enough = 1e-3;  // SpsaOptions::gap_tolerance, at which spsa itself has converged
+constexpr double near_enough = 1e-3;  // SpsaOptions::gap_tolerance, the convergence criterion of spsa
 
-/// "3 stalled, 2 iterations_done"; empty when every status is `kept` or passes `fine`.
+/// Counts of each status for the sets c where fine(c) is false: "3 stalled, 2 iterations_done", or "".
 template <class Fine>
 std::string counted(const std::vector<std::string>& status, const Fine& fine) {
     std::map<std::string, int> counts;
@@ -24,7 +24,7 @@ std::string counted(const std::vector<std::string>& status, const Fine& fine) {
 
 }  // namespace
 
-Endings endings_of(const ProblemRecord& problems, const std::vector<TrainingBook>& trained, const OptimumProof& optimum) {
+Endings endings_of(const ProblemRecord& problems, const std::vector<SetDiagnostics>& trained, const OptimumCertificate& optimum) {
     Endings e;
     const auto say = [](std::vector<std::string>& lines, const std::string& what, const std::string& text, std::size_t of) {
         if (!text.empty()) lines.push_back(fmt::format("{}: of {} sets {}", what, of, text));
@@ -32,10 +32,10 @@ Endings endings_of(const ProblemRecord& problems, const std::vector<TrainingBook
     say(e.broken, "objective " + problems.objective,
         counted(problems.status, [&](std::size_t c) { return problems.status[c] == "posed"; }), problems.status.size());
     if (!problems.one_set_status.empty() && problems.one_set_status != "posed")
-        e.broken.push_back("objective " + problems.objective + ": the one set for all cases " + problems.one_set_status);
+        e.broken.push_back("objective " + problems.objective + ": the single set for all cases " + problems.one_set_status);
     say(e.broken, "certified optimum",
         counted(optimum.status, [&](std::size_t c) { return optimum.status[c] == "converged"; }), optimum.status.size());
-    for (const TrainingBook& t : trained) {
+    for (const SetDiagnostics& t : trained) {
         const auto stalled = [&](std::size_t c) {
             return t.status[c] == "stalled" && !(t.gap[static_cast<Eigen::Index>(c)] <= near_enough);
         };
@@ -46,18 +46,18 @@ Endings endings_of(const ProblemRecord& problems, const std::vector<TrainingBook
     return e;
 }
 
-Endings endings_of(const LawBook& law) {
+Endings endings_of(const EnergyModelDiagnostics& law) {
     Endings e;
     const std::string& status = law.status.at(static_cast<std::size_t>(law.kept));
     if (status == to_string(FitStatus::no_progress) || status == to_string(FitStatus::held_back) || status == to_string(FitStatus::iterations_done))
-        e.broken.push_back(fmt::format("law: {} after {} iterations, largest derivative {:.1e}", status,
+        e.broken.push_back(fmt::format("energy model: {} after {} iterations, largest derivative {:.1e}", status,
                                        law.iterations.at(static_cast<std::size_t>(law.kept)), law.gradient[law.kept]));
     if (!law.lost.empty())
-        e.broken.push_back(fmt::format("law: of {} pushes {} are not held", law.records, law.lost.size()));
+        e.broken.push_back(fmt::format("energy model: of {} load cases {} have no equilibrium", law.records, law.lost.size()));
     return e;
 }
 
-Endings endings_of(const TrainingBooks& books) {
+Endings endings_of(const TrainingDiagnostics& books) {
     return books.law ? endings_of(*books.law) : endings_of(books.problems, books.trained, books.optimum);
 }
 

@@ -3,26 +3,26 @@
 #include <string>
 #include <vector>
 
-#include "train/training_books.h"
+#include "train/training_diagnostics.h"
 
 namespace tissue {
 
-/// How the training of a model ended, in words for people.
+/// How the training of a model ended, as lines of a report.
 struct Endings {
-    std::vector<std::string> broken;  ///< a line each: what promises convergence, and did not reach it
-    std::vector<std::string> other;   ///< a line each: ends that are neither that nor convergence, such as all iterations done
+    std::vector<std::string> broken;  ///< parts that should converge and did not
+    std::vector<std::string> other;   ///< parts that stopped for another reason, such as the number of iterations
 };
 
-/// What counts as broken:
-///  - a certified optimum, or a set of "exact", that is not `converged`;
+/// `broken` contains:
+///  - a certified optimum that is not `converged`;
 ///  - a problem, or the one set, whose ProblemStatus is not `posed`;
-///  - a set that `stalled` farther than a gap of 1e-3 from the certified optimum;
-///  - a law whose kept start ended with `no_progress`, `held_back` or `iterations_done` (no study sets how many), or a
-///    push it was trained on that is not `held` (springs/press.h).
-/// A stop criterion that the study sets (`iterations_done`, `time_out`, `target_met`) and the end the paper's method has
-/// by itself (`restarts_exhausted`) promise nothing. A model of an earlier program says nothing of its optimum.
-Endings endings_of(const ProblemRecord& problems, const std::vector<TrainingBook>& trained, const OptimumProof& optimum);
-Endings endings_of(const LawBook& law);
-Endings endings_of(const TrainingBooks& books);
+///  - a set that `stalled` with a gap above 1e-3 to the certified optimum;
+///  - an energy model whose kept start ended with `no_progress`, `held_back` or `iterations_done` (studies do not set
+///    their number), or with a training record that is not `held` (SolverStatus in springs/equilibrium_solver.h).
+/// A stop criterion of the study (`iterations_done`, `time_out`, `target_met`) and the regular end of the paper's
+/// method (`restarts_exhausted`) are in `other`. A file of an earlier version has no status of the optimum.
+Endings endings_of(const ProblemRecord& problems, const std::vector<SetDiagnostics>& trained, const OptimumCertificate& optimum);
+Endings endings_of(const EnergyModelDiagnostics& law);
+Endings endings_of(const TrainingDiagnostics& books);
 
 }  // namespace tissue

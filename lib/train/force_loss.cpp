@@ -20,7 +20,7 @@ void append(std::vector<Eigen::Triplet<double>>& entries, const SparseMatrix& bl
 
 ForceLoss::ForceLoss(const SparseMatrix& A, const Eigen::VectorXd& force, const Eigen::VectorXd& weight) {
     if (A.rows() != force.size() || A.rows() != weight.size())
-        throw MismatchError(fmt::format("force loss: A has {} rows, the force {} entries, the weight {}", A.rows(),
+        throw MismatchError(fmt::format("force loss: A has {} rows, the force {} entries, the weight {} entries", A.rows(),
                                         force.size(), weight.size()));
     const Eigen::VectorXd root = weight.cwiseSqrt();
     matrix_ = root.asDiagonal() * A;

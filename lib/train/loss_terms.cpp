@@ -21,7 +21,7 @@ Target contact_target(const SpringMesh& mesh, const LoadCase& load, const Surfac
     }
     target.force.setZero();
     for (int end : {0, 1}) {
-        // the smallest change of both ends that puts the contact where it was pushed
+        // smallest change of both ends that gives the contact the prescribed tool displacement
         target.displacement.row(contact.node[end]) += contact.weight[end] / squares * (push - there);
         target.force.row(contact.node[end]) += contact.weight[end] * load.record->contact_force_N.transpose();
     }
@@ -60,7 +60,7 @@ std::optional<ForceLoss> joint_loss(const std::vector<ForceLoss>& losses) {
         rhs += weight * (loss.matrix().transpose() * loss.target());
     }
     if (!(normal.trace() > 0)) return std::nullopt;
-    normal.diagonal().array() += 1e-12 * normal.trace() / static_cast<double>(S);  // zero columns have a pivot too
+    normal.diagonal().array() += 1e-12 * normal.trace() / static_cast<double>(S);  // gives zero columns a pivot
     const Eigen::LLT<Eigen::MatrixXd> factor(normal);
     if (factor.info() != Eigen::Success) return std::nullopt;
     const Eigen::MatrixXd upper = factor.matrixU();

@@ -17,8 +17,8 @@ struct Named {
     nlopt::algorithm algorithm;
 };
 
-// not the global and the random ones (NLopt's generator is not our stream), nor those without bounds, nor LN_COBYLA,
-// whose simplex of 221 points did not come back within minutes
+// Left out: global and random algorithms (NLopt's random generator is not a Stream), algorithms without bounds, and
+// LN_COBYLA, whose simplex of 221 points took minutes without a result.
 constexpr Named algorithms[] = {
     {"LD_LBFGS", nlopt::LD_LBFGS},
     {"LD_MMA", nlopt::LD_MMA},
@@ -32,7 +32,7 @@ constexpr Named algorithms[] = {
     {"LN_NELDERMEAD", nlopt::LN_NELDERMEAD},
 };
 
-/// L^2/2 in scaled stiffness x = norm theta, and the best point seen: NLopt returns none when it ends by an exception.
+/// L^2/2 in the scaled stiffness x = norm theta. Stores the best point, because NLopt returns none when it throws.
 struct Objective {
     const ForceLoss& loss;
     const Eigen::VectorXd& norm;
@@ -86,7 +86,7 @@ TrainSummary NloptOptimizer::minimise(const ForceLoss& loss, const Eigen::Vector
     TrainMonitor monitor(stop, loss.scale());
     const Eigen::Index springs = start.size();
 
-    // a zero column has no length to scale with, and its bounds are closed: it stays
+    // a spring with a zero column is not scaled, and its bounds are set to its start
     Eigen::VectorXd norm(springs), lo = box.lo, hi = box.hi;
     for (Eigen::Index s = 0; s < springs; ++s) norm[s] = loss.matrix().col(s).norm();
     const double longest = springs > 0 ? norm.maxCoeff() : 0;
@@ -141,7 +141,7 @@ TrainSummary NloptOptimizer::minimise(const ForceLoss& loss, const Eigen::Vector
         }
     } catch (const nlopt::roundoff_limited&) {
         status = TrainStatus::stalled;
-    } catch (const std::runtime_error&) {  // "generic failure": LD_LBFGS says so where its line search ends at rounding
+    } catch (const std::runtime_error&) {  // "generic failure": LD_LBFGS where its line search ends at rounding
         status = TrainStatus::stalled;
     }
     summary.theta = box.project(objective.best_theta);

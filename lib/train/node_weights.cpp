@@ -6,7 +6,7 @@ namespace tissue {
 
 Eigen::VectorXd draw_node_weights(const Study& study, const SpringMesh& mesh, const LoadCase& load) {
     const Stream stream(study.training.seed, "weights", load.name);
-    // on a shape: as far as the next nodes are, on average and round its corners
+    // half size of the near region along each axis; on a shape the mean spring length with a margin for corners
     double spring_m = 0;
     for (int s = 0; s < mesh.spring_count(); ++s) spring_m += mesh.rest_length(s) / mesh.spring_count();
     const Eigen::Vector2d reach = study.geometry.is_block()

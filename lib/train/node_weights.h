@@ -5,9 +5,9 @@
 
 namespace tissue {
 
-/// The diagonal of Q of (9), one entry a node (N): high for the 3 x 3 nodes about the contact, lower elsewhere, both
-/// drawn at random from the study's ranges, by its seed and the case's name. On a shape the nodes about the contact are
-/// those as near as the next ones lie.
+/// Diagonal of Q of (9), one entry for each node (N): high for the 3 x 3 nodes about the contact, lower elsewhere.
+/// Values are drawn uniformly from the study's ranges (weight_near, weight_far), with the study's seed and the name of
+/// the case. On a shape other than the block the near nodes are those within 1.2 mean spring lengths along each axis.
 Eigen::VectorXd draw_node_weights(const Study& study, const SpringMesh& mesh, const LoadCase& load);
 
 }  // namespace tissue

@@ -18,7 +18,7 @@ Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>> view(const gsl_vector
     return {v->data, static_cast<Eigen::Index>(v->size), Eigen::InnerStride<>(static_cast<Eigen::Index>(v->stride))};
 }
 
-/// f and J where they were last asked for: GSL wants the one at every trial, the other at the start and where the trial was kept.
+/// f and J at the last x. GSL requests f at every trial point, and J at the start and at accepted points only.
 struct Memory {
     const FitFunction& function;
     const std::vector<char>* lost;
@@ -26,11 +26,11 @@ struct Memory {
     RowMatrix J;
     int evaluations = 0;
     std::exception_ptr failure;
-    std::vector<char> lost_here;  ///< where the fit stands, as |f|
-    double norm_here = 0;
-    Eigen::VectorXd x_here;
+    std::vector<char> lost_here;  ///< lost parts at the current (last accepted) point
+    double norm_here = 0;         ///< |f| at the current point
+    Eigen::VectorXd x_here;       ///< the current point
     double most_step;
-    bool rejected = false;  ///< whether a step was, because it loses a part
+    bool rejected = false;  ///< whether a step was rejected because it loses a part
 
     int at(const gsl_vector* where) noexcept {
         if (evaluations > 0 && x == view(where)) return GSL_SUCCESS;
@@ -43,7 +43,7 @@ struct Memory {
             ++evaluations;
             function(x, f, J);
             if (loses()) {
-                f.setConstant(1 + norm_here);  // larger than |f| here: GSL rejects the step
+                f.setConstant(1 + norm_here);  // larger than |f| at the current point: GSL rejects the step
                 rejected = true;
             }
         } catch (...) {
@@ -53,7 +53,7 @@ struct Memory {
         return GSL_SUCCESS;
     }
 
-    /// Whether the last x loses a part that there is where the fit stands.
+    /// Whether a part has a value at the current point and none at the last x.
     bool loses() const {
         if (!lost || lost_here.empty()) return false;
         for (std::size_t i = 0; i < lost->size(); ++i)
@@ -83,7 +83,8 @@ int fill_J(const gsl_vector* x, void* memory, gsl_matrix* out) {
     return status;
 }
 
-/// Whether the Gauss-Newton step from where the fit stands promises more than ten times what the tolerances let go.
+/// Whether the Gauss-Newton step from the current point exceeds ten times step_tolerance, and its predicted decrease of
+/// |f|^2 ten times gain_tolerance.
 bool promises_more(const gsl_multifit_nlinear_workspace& work, const RowMatrix& J, const FitOptions& options) {
     const Eigen::VectorXd g = view(work.g), step = (J.transpose() * J).ldlt().solve(g);
     return step.lpNorm<Eigen::Infinity>() > 10 * options.step_tolerance && g.dot(step) > 10 * options.gain_tolerance * view(work.f).squaredNorm();
@@ -113,7 +114,7 @@ FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen:
                         const std::vector<char>* lost) {
     const Eigen::Index P = start.size();
     if (P < 1 || residuals < P)
-        throw MismatchError(fmt::format("a fit of {} numbers to {} residuals is not possible", P, residuals));
+        throw MismatchError(fmt::format("a fit of {} parameters to {} residuals is not possible", P, residuals));
     Memory memory{function, lost, {}, Eigen::VectorXd::Zero(residuals), RowMatrix::Zero(residuals, P), 0, nullptr, {}, 0, {}, options.most_step, false};
     gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
     parameters.trs = gsl_multifit_nlinear_trs_lm;
@@ -122,7 +123,7 @@ FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen:
     const auto n = static_cast<std::size_t>(residuals), p = static_cast<std::size_t>(P);
     const std::unique_ptr<gsl_multifit_nlinear_workspace, void (*)(gsl_multifit_nlinear_workspace*)> work(
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, n, p), gsl_multifit_nlinear_free);
-    if (!work) throw MismatchError(fmt::format("a fit of {} numbers to {} residuals finds no memory", P, residuals));
+    if (!work) throw MismatchError(fmt::format("a fit of {} parameters to {} residuals needs more memory than there is", P, residuals));
     gsl_multifit_nlinear_fdf fdf{};
     fdf.f = fill_f;
     fdf.df = fill_J;
@@ -156,7 +157,7 @@ FitResult nonlinear_fit(const FitFunction& function, int residuals, const Eigen:
     if (outcome == GSL_ENOPROG)
         result.status = FitStatus::no_progress;
     else if (outcome != GSL_SUCCESS)
-        throw MismatchError(fmt::format("the fit broke off: {}", gsl_strerror(outcome)));
+        throw MismatchError(fmt::format("the fit failed: {}", gsl_strerror(outcome)));
     const bool small = result.status == FitStatus::small_step || result.status == FitStatus::small_gain;
     if (small && memory.rejected && promises_more(*work, memory.J, options)) result.status = FitStatus::held_back;
     result.x = view(work->x);

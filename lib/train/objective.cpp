@@ -55,7 +55,7 @@ TrainingProblems node_problems(const TrainingData& data, const std::vector<Targe
         p.status.push_back(p.base.back().scale() > 0 ? ProblemStatus::posed : ProblemStatus::no_force);
     }
     p.start.assign(targets.size(), data.heuristic);
-    // a ridge leaves nothing badly conditioned: Newton's own step at once
+    // with a ridge the problem is well conditioned: start with unshifted Newton steps
     if (data.settings.ridge > 0) p.exact.first_shift = p.exact.shift;
     return p;
 }

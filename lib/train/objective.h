@@ -14,7 +14,7 @@
 
 namespace tissue {
 
-/// What an objective makes its problems of.
+/// Input of an objective.
 struct TrainingData {
     const Study::Training& settings;
     const SpringMesh& mesh;
@@ -23,56 +23,57 @@ struct TrainingData {
     const NodeField& node_weight;        ///< diagonal of Q, one entry a node (C x N)
     const Eigen::VectorXd& heuristic;    ///< (7) with E2 = E t [N/m] (S), inside the box
     const Box& box;
-    int threads;                         ///< change no result
+    int threads;                         ///< without influence on the result
 };
 
-/// How a problem came about: that of one load case, or that of the one set which serves all of them. f is the force the
-/// springs are to hold, K the stiffness of the free nodes.
+/// Whether the problem of one load case, or of the single set for all cases ("one set"), could be set up. f: force of
+/// the target; K: stiffness matrix of the free nodes.
 enum class ProblemStatus {
-    posed,            ///< as the objective says it; what had to be solved for it converged (LsqStatus)
-    floppy,           ///< "contact": a pivot of K <= 1e-10 of the largest, at the heuristic or one step from it, so the contact
-                      ///< has no compliance of the set's own: the nodes count alone, or with the heuristic's compliance
-    no_force,         ///< |f| = 0, of every case where it is the one set's: nothing is relative to it; of the one set: the heuristic
-    singular,         ///< of the one set: a pivot <= 0 of the sum of normal matrices and its ridge (joint_loss); it is the heuristic
-    stalled,          ///< LsqStatus::stalled of the one set; of a case, of the rough solution that "contact" takes compliance at
-    iterations_done   ///< LsqStatus::iterations_done, likewise
+    posed,            ///< set up as the objective defines it; preliminary solves converged (LsqStatus)
+    /// Objective "contact": at the heuristic or at the rough solution K is not positive definite (a pivot <= 1e-10 of
+    /// the largest), or the contact is on fixed nodes. The loss then has no reaction, or the heuristic's.
+    floppy,
+    no_force,         ///< |f| = 0; one set: in every case, and the set is the heuristic
+    singular,         ///< one set: joint_loss has a pivot <= 0, and the set is the heuristic
+    stalled,          ///< LsqStatus::stalled, of the one set or of the rough solution of "contact"
+    iterations_done   ///< LsqStatus::iterations_done, of the one set or of the rough solution of "contact"
 };
 
-/// The status in the words of reports: "posed", ...
+/// The name of the status in files and reports: "posed", ...
 const char* to_string(ProblemStatus status);
 
-/// How a problem came about for which this was solved: `posed` where it converged.
+/// Status of a problem with such a preliminary solve: `posed` where it converged.
 ProblemStatus problem_status(LsqStatus status);
 
-/// What the sets of a study are trained on: one convex problem a case, and a set that serves all.
+/// Training problems of a study: one convex problem for each case, and the single set for all cases.
 struct TrainingProblems {
-    std::vector<ForceLoss> base;           ///< (9) or its like, in which reports speak [N] (C)
-    std::vector<ForceLoss> minimised;      ///< that with more rows, a ridge or the reaction, in the unit of base and with its scale [N] (C)
-    std::vector<Eigen::VectorXd> start;    ///< where each set's training begins: inside the box, near the answer if known
+    std::vector<ForceLoss> base;           ///< (9) of the target, as reported [N] (C)
+    std::vector<ForceLoss> minimised;      ///< base, with rows of a ridge or the reaction, and base's scale [N] (C)
+    std::vector<Eigen::VectorXd> start;    ///< start of each training [N/m] (C of S), inside the box
     std::vector<ProblemStatus> status;     ///< (C)
-    Eigen::VectorXd one_set;               ///< the single set that serves all cases best [N/m] (S)
+    Eigen::VectorXd one_set;               ///< single set with the least joint loss over all cases [N/m] (S)
     ProblemStatus one_set_status = ProblemStatus::posed;
-    BoundedLsqOptions exact;               ///< how the exact solver should go about them
-    bool nearly_solved = false;            ///< posing them was most of solving them: its time counts as the solver's
+    BoundedLsqOptions exact;               ///< options of the exact solver for these problems
+    bool nearly_solved = false;            ///< whether the time of pose() counts as time of the exact solver
 };
 
-/// A way to say which springs are good.
+/// Training objective of spring sets: defines the loss of each load case.
 class Objective {
    public:
     virtual ~Objective() = default;
     virtual std::string name() const = 0;
 
-    /// Non-convergence is a status of its problem.
+    /// Sets up the problems of all load cases. Non-convergence is a ProblemStatus.
     virtual TrainingProblems pose(const TrainingData& data) const = 0;
 };
 
-/// Every objective there is; each in a file of its own. The paper's comes first, which a study has that names none.
+/// All objectives, each in its own file. The first is the paper's, the default of a study.
 const Registry<std::shared_ptr<const Objective>>& objectives();
 
-/// One problem a case out of its target and nothing else, every start the heuristic: what objectives begin with.
+/// Problems with (9) of each target as `base` and the heuristic as start; `minimised` and the one set are left empty.
 TrainingProblems node_problems(const TrainingData& data, const std::vector<Target>& targets);
 
-/// The set that serves all the losses best: their joint problem, solved exactly.
+/// Fills one_set and its status: exact minimum of joint_loss(losses), or the heuristic where that does not exist.
 void solve_one_set(TrainingProblems& problems, const std::vector<ForceLoss>& losses, const TrainingData& data);
 
 }  // namespace tissue

@@ -4,15 +4,16 @@
 
 namespace tissue {
 
-/// (9) at every node where FE has it, the paper's; a ridge, if the study has one, pulls towards the heuristic.
+/// The paper's objective: (9) with every node at its FE position, and the study's ridge towards the heuristic, if any.
 class ForceObjective final : public Objective {
    public:
     std::string name() const override { return "force"; }
     TrainingProblems pose(const TrainingData& data) const override;
 };
 
-/// The force a hand feels: the contact's whole force at the contact (contact_target), and its reaction in closed loop
-/// through the set's own compliance (with_reaction), found in two passes.
+/// Objective for the contact force: the whole indenter force acts at the contact (contact_target), and the error of the
+/// contact's reaction in equilibrium is added through the set's compliance (with_reaction). Two passes: with the
+/// compliance of the heuristic, then with that of the solution.
 class ContactObjective final : public Objective {
    public:
     std::string name() const override { return "contact"; }

@@ -64,13 +64,13 @@ void check_problem(const ForceLoss& loss, const Eigen::VectorXd& start, const Bo
 
 TrainMonitor::TrainMonitor(const StopCriteria& stop, double loss_scale)
     : stop_(stop), target_(stop.target_rel_loss.value_or(0) * loss_scale), begin_(std::chrono::steady_clock::now()) {
-    curve_.reserve(40);  // three points a decade and the last: enough for any int
+    curve_.reserve(40);  // three points for each decade and the last one: enough for any int
 }
 
 void TrainMonitor::record(int iteration, double loss) {
     curve_.push_back({iteration, loss});
     if (iteration < next_) return;
-    // 0, then 1, 2, 5 of every decade
+    // next point: 1, 2 or 5 of a decade
     int decade = 1;
     while (decade <= next_ / 10) decade *= 10;
     next_ = next_ == 0 ? 1 : next_ == decade ? 2 * decade : next_ == 2 * decade ? 5 * decade : 10 * decade;

@@ -29,7 +29,7 @@ void hadamard_row(Eigen::Index j, Eigen::VectorXd& row) {
     }
 }
 
-/// One training; all its storage is taken at construction.
+/// One training. The constructor allocates all vectors.
 class Run {
    public:
     Run(const SpsaOptions& options, const ForceLoss& loss, const Eigen::VectorXd& start, const Box& box, double unit,
@@ -53,7 +53,7 @@ class Run {
         while (order < start.size()) order *= 2;
         row_.resize(order);
         slopes_.resize(order);
-        row_curvature_ = Eigen::VectorXd::Constant(order, -1);  // not known yet
+        row_curvature_ = Eigen::VectorXd::Constant(order, -1);  // -1: not measured yet
         const double middle = (static_cast<double>(gsl_rng_max(rng)) + static_cast<double>(gsl_rng_min(rng))) / 2;
         for (double& sign : signs_) sign = static_cast<double>(gsl_rng_get(rng)) > middle ? 1 : -1;
     }
@@ -68,7 +68,7 @@ class Run {
         while (measured && !status_) {
             if (certified_gap() <= options_.gap_tolerance)
                 status_ = TrainStatus::converged;
-            else if (!move() && !status_)  // a move that is cut short has not failed
+            else if (!move() && !status_)  // not when a stop criterion ended the step
                 status_ = TrainStatus::stalled;
             measured = !status_ && measure_gradient();
         }
@@ -83,7 +83,7 @@ class Run {
    private:
     int iterations() const { return (evaluations_ + 1) / 2; }
 
-    /// q at a point; counts, and looks at the stop criteria after every second one.
+    /// q at a point. Counts evaluations, and checks the stop criteria after every second one.
     double evaluate(const Eigen::VectorXd& point) {
         const double value = loss_(point, workspace_);
         if (++evaluations_ % 2 == 0) {
@@ -94,7 +94,7 @@ class Run {
         return value * value / 2;
     }
 
-    /// Slope and curvature of q along each spring alone. False when stopped before the end.
+    /// Slope and curvature of q along each spring alone. False when a stop criterion ended it early.
     bool measure_each_spring() {
         for (Eigen::Index s = 0; s < theta_.size() && !status_; ++s) {
             trial_ = theta_;
@@ -111,7 +111,7 @@ class Run {
         return !status_;
     }
 
-    /// The gradient at theta from one cycle of simultaneous perturbations. False when stopped before the end.
+    /// Gradient at theta from one cycle of simultaneous perturbations. False when a stop criterion ended it early.
     bool measure_gradient() {
         for (Eigen::Index j = 0; j < slopes_.size() && !status_; ++j) {
             hadamard_row(j, row_);
@@ -137,19 +137,19 @@ class Run {
         return loss_gap(std::sqrt(2 * value_), bound > 0 ? std::sqrt(2 * bound) : 0, loss_.scale());
     }
 
-    /// True for a spring that may move: the loss depends on it, and its bounds are inactive.
+    /// True for a spring that the loss depends on and whose bounds are inactive.
     bool is_free(Eigen::Index s) const {
         return curvature_[s] > 0 && !(theta_[s] <= box_.lo[s] && gradient_[s] > 0) &&
                !(theta_[s] >= box_.hi[s] && gradient_[s] < 0);
     }
 
-    /// One step of projected conjugate gradients. False when nothing descends any more, or when stopped before the end.
+    /// One step of projected conjugate gradients. False when no direction lowers the loss or a stop criterion holds.
     bool move() {
         for (Eigen::Index s = 0; s < theta_.size(); ++s) {
             scaled_[s] = is_free(s) ? gradient_[s] / curvature_[s] : 0;
             if (!is_free(s)) step_[s] = 0;
         }
-        // Hestenes and Stiefel's factor, not below zero (which restarts, as after Polak and Ribiere)
+        // Hestenes and Stiefel's factor, clamped at zero (a restart, as with Polak and Ribiere's)
         const double along = step_.dot(gradient_) - step_.dot(previous_gradient_);
         const double change = scaled_.dot(gradient_) - scaled_.dot(previous_gradient_);
         const double factor = along > 0 ? std::max(change / along, 0.0) : 0;
@@ -160,8 +160,8 @@ class Run {
         return descend();
     }
 
-    /// Goes along direction_, projected; leaves the step taken in step_. False when the loss does not fall, or when
-    /// stopped before it did.
+    /// Line search along the projected direction_; stores the step in step_. False when the loss does not fall, or when
+    /// a stop criterion ended the search before it fell.
     bool descend() {
         const double slope = gradient_.dot(direction_);
         if (status_ || !(slope < 0)) return false;
@@ -172,18 +172,18 @@ class Run {
             trial_ = (theta_ + alpha * direction_).cwiseMax(box_.lo).cwiseMin(box_.hi);
             const double value = evaluate(trial_);
             if (!(value < value_)) continue;
-            if (status_) {  // no evaluation is left to better it with
+            if (status_) {  // a stop criterion holds: keep this point
                 theta_ = trial_;
                 value_ = value;
                 return true;
             }
-            // the loss along the chord is known from its slope and its end: go to its minimum, inside the box
+            // q along the chord follows from its slope and end value: go to its minimum inside the box
             step_ = trial_ - theta_;
             const double chord_slope = gradient_.dot(step_), chord_curvature = 2 * (value - value_ - chord_slope);
             if (chord_curvature > 0) step_ *= std::min(-chord_slope / chord_curvature, longest(step_));
             trial_ = (theta_ + step_).cwiseMax(box_.lo).cwiseMin(box_.hi);
             const double lowest = evaluate(trial_);
-            if (!(lowest < value_)) return false;  // at rounding
+            if (!(lowest < value_)) return false;  // rounding
             step_ = trial_ - theta_;
             theta_ = trial_;
             value_ = lowest;
@@ -192,7 +192,7 @@ class Run {
         return false;
     }
 
-    /// The multiple of a step at which it meets the box.
+    /// The multiple of a step that reaches the boundary of the box.
     double longest(const Eigen::VectorXd& step) const {
         double multiple = std::numeric_limits<double>::infinity();
         for (Eigen::Index s = 0; s < step.size(); ++s)
@@ -208,10 +208,10 @@ class Run {
     const double c_;    // perturbation [N/m]
     double value_ = 0;  // q at theta
     int evaluations_ = 0;
-    std::optional<TrainStatus> status_;  // set when the training is to end
+    std::optional<TrainStatus> status_;  // set when the training ends
 
     Eigen::VectorXd theta_, trial_;         // (S)
-    Eigen::VectorXd gradient_, curvature_;  // of q (S); curvature 0: a spring the data says nothing about
+    Eigen::VectorXd gradient_, curvature_;  // of q (S); curvature 0: the loss does not depend on the spring
     Eigen::VectorXd scaled_, previous_gradient_, step_, direction_;  // of the conjugate gradients (S)
     Eigen::VectorXd signs_;                                          // random +-1 (S)
     Eigen::VectorXd row_, slopes_, row_curvature_;                   // of a cycle (N)

@@ -20,7 +20,7 @@ TrainSummary Spsa2008::minimise(const ForceLoss& loss, const Eigen::VectorXd& st
     TrainSummary summary;
     Eigen::VectorXd theta = start, delta(start.size()), trial(start.size()), workspace(loss.target().size());
 
-    // slope of L along Delta, of which every entry of the gradient estimate is +- the value
+    // slope of L along Delta; every entry of the gradient estimate is + or - this value
     const auto slope_along = [&](double c) {
         trial = theta + c * delta;
         const double plus = loss(trial, workspace);
@@ -33,7 +33,7 @@ TrainSummary Spsa2008::minimise(const ForceLoss& loss, const Eigen::VectorXd& st
         return loss(trial, workspace);
     };
 
-    // a from the wanted first step: a / (A + 1)^alpha * mean |g| = first_step
+    // a from first_step: a / (A + 1)^alpha * mean |g| = first_step
     const double first_c = options_.first_perturbation * unit_N_m;
     const double A = options_.stability * stop.iterations;
     double mean = 0;
@@ -72,7 +72,7 @@ TrainSummary Spsa2008::minimise(const ForceLoss& loss, const Eigen::VectorXd& st
                 ++summary.restarts, k = 0;
         }
 
-        // the loss of the result so far, where it is asked for
+        // loss of the result so far, for the learning curve or the target
         const bool wanted = monitor.wants(iteration);
         if (wanted || stop.target_rel_loss) reached = projected_loss();
         if (stop.target_rel_loss) ++summary.evaluations;

@@ -6,7 +6,8 @@
 namespace tissue {
 namespace {
 
-unsigned long seed_of(const std::string& key) { return XXH3_64bits(key.data(), key.size()) & 0xffffffffUL; }  // mt19937 takes 32 bits
+// a seed of mt19937 has 32 bits
+unsigned long seed_of(const std::string& key) { return XXH3_64bits(key.data(), key.size()) & 0xffffffffUL; }
 
 }  // namespace
 

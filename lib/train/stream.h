@@ -6,7 +6,8 @@
 
 namespace tissue {
 
-/// A GSL generator (mt19937) that no other set or purpose shares: what it draws depends on the three and nothing else.
+/// A GSL random generator (mt19937) seeded by (seed, purpose, set). No other purpose or set shares it, so its numbers
+/// do not depend on the order of the trainings. purpose: "weights" or the name of an optimiser; set: name of the case.
 class Stream {
    public:
     Stream(unsigned long seed, const std::string& purpose, const std::string& set);

@@ -25,7 +25,7 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// The study's optimisers, its own first, each once.
+/// The study's optimiser, then those in `also`, each once.
 std::vector<const Optimizer*> optimizers_of(const Study::Training& training) {
     std::vector<const Optimizer*> chosen = {optimizers().at(training.optimizer).get()};
     for (const std::string& name : training.also) {
@@ -44,16 +44,16 @@ ProblemRecord record_of(const Objective& objective, const TrainingProblems& prob
 }  // namespace
 
 TrainedModel train_sets(const Study& study, const Cases& cases, int threads, const TrainProgress& progress) {
-    if (study.springs.is_law()) throw MismatchError("study '" + study.name + "' has no spring sets: it has an energy model");
+    if (study.springs.is_energy_model()) throw MismatchError("study '" + study.name + "' has no spring sets: it has an energy model");
     if (cases.measurement)
-        throw MismatchError("these cases are measured: they can train a law, and study '" + study.name + "' has sets");
+        throw MismatchError("these cases are measured: they need an energy model, and study '" + study.name + "' has spring sets");
     const Objective& objective = *objectives().at(study.training.objective);
     const std::vector<const Optimizer*> optimizers = optimizers_of(study.training);
     const double unit = study.modulus_N_m();
     const std::vector<LoadCase> loads = load_cases(cases);
     if (loads.empty()) throw MismatchError(nothing_to_train_on(cases));
     TrainedModel model = untrained_model(study, cases, loads);
-    TrainingBooks& books = model.books;
+    TrainingDiagnostics& books = model.books;
     const auto C = static_cast<Eigen::Index>(loads.size());
     const int S = model.mesh.spring_count();
     books.node_weight.resize(C, model.mesh.node_count());

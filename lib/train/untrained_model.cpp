@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "cases/study_law.h"
+#include "cases/study_energy_model.h"
 #include "cases/study_mesh.h"
 #include "error.h"
 #include "springs/heuristic.h"
@@ -12,14 +12,14 @@ namespace tissue {
 SpringMesh spring_mesh_of(const Study& study, const Cases& cases) {
     SpringMesh mesh = study_mesh(study, cases.shape, study.springs.topology);
     if (!has_nodes(mesh, cases.nodes))
-        throw MismatchError(fmt::format("the cases have {} nodes that are not the {} x {} lattice of study '{}'",
+        throw MismatchError(fmt::format("the cases have {} nodes, which are not those of the {} x {} lattice of study '{}'",
                                         cases.nodes.rows(), study.cells[0] + 1, study.cells[1] + 1, study.name));
     return mesh;
 }
 
 namespace {
 
-/// (7) with this E2 for the base material; where regions or a nodule have a material of their own, in proportion to their E.
+/// (7) with this E2 for the base material, and in proportion to E in regions or a nodule of another material.
 Eigen::VectorXd study_heuristic(const Study& study, const Cases& cases, const SpringMesh& mesh, double modulus_N_m) {
     if (mesh.is_solid() && (study.nodule || !study.material.regions.empty()))
         return heuristic_stiffness(mesh, modulus_N_m / study.modulus_N_m()).cwiseProduct(solid_moduli(study, cases.shape, mesh, mesh.springs));
@@ -77,7 +77,7 @@ std::string nothing_to_train_on(const Cases& cases) {
         text += fmt::format("; {} at ({}) mm, {:.3g} mm deep: {}", path.name, place, 1e3 * path.depth_m, path.lost.substr(0, path.lost.find(';')));
     }
     if (count == 0) return fmt::format("the cases of study '{}' have no training path", cases.study);
-    return fmt::format("of study '{}' FE lost all {} training paths before their first load case, so there is nothing to train on{}{}", cases.study, count, text,
+    return fmt::format("study '{}': none of its {} training paths has an FE reference up to its first load case, so there is nothing to train on{}{}", cases.study, count, text,
                        count > shown ? fmt::format("; and {} more", count - shown) : "");
 }
 

@@ -5,19 +5,19 @@
 
 #include "cases/load_path.h"
 #include "study/study.h"
-#include "train/training_books.h"
+#include "train/training_diagnostics.h"
 
 namespace tissue {
 
-/// The study's spring mesh. Throws MismatchError when the cases are not on its nodes.
+/// Spring mesh of the study. Throws MismatchError when the nodes of the cases are not those of the mesh.
 SpringMesh spring_mesh_of(const Study& study, const Cases& cases);
 
-/// A model as it is before training: mesh, masses, heuristics, and the load cases it is about to be trained on; of the
-/// books, the seed. Throws as spring_mesh_of.
+/// A model before training: mesh, masses, heuristics and the load cases for training. Of the diagnostics it has the
+/// seed. Throws as spring_mesh_of.
 TrainedModel untrained_model(const Study& study, const Cases& cases, const std::vector<LoadCase>& loads);
 
-/// Why there is nothing to train on, in one line: how many training paths FE lost before their first load case, and of the first three place, depth and
-/// cause.
+/// Message for cases without a load case to train on, in one line: the number of training paths that ended in FE before
+/// their first load case, with place, depth and cause of the first three.
 std::string nothing_to_train_on(const Cases& cases);
 
 }  // namespace tissue

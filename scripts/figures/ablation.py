@@ -5,7 +5,7 @@ Left: error on the test set against the number of training paths. Right: against
 import math
 import sys
 
-import needs  # noqa: F401, I001  (before what may be missing)
+import needs  # noqa: F401, I001  (before packages that may be missing)
 import matplotlib
 
 matplotlib.use("Agg")
@@ -23,11 +23,11 @@ ERRORS = (("force", "#0072B2"), ("shape", "#D55E00"))
 def error_of(variant, error, measure):
     learned = variant["held_out"]["learned"]
     value = (learned if error == "force" else learned["shape"])[measure]
-    return math.nan if value is None else 100 * value  # infinite: an answer is missing
+    return math.nan if value is None else 100 * value  # null is infinite: an answer is missing
 
 
 def answered(variant):
-    """Where an answer is missing, and so a point of p95 or max: below the note."""
+    """"n of N" below the note where an answer is missing, since p95 or max has no point there; else empty."""
     learned = variant["held_out"]["learned"]
     return "" if learned["n"] == learned["of"] else f"\n{learned['n']} of {learned['of']}"
 
@@ -70,7 +70,7 @@ def main():
     numbers.set_xlabel(f"parameters of the model, {whole['fe_paths']} paths")
     numbers.legend(frameon=False, fontsize=8, ncols=2, loc="upper right")
     top = max(drawn)
-    paths.set_ylim(top=1.6 * top)  # room for the notes
+    paths.set_ylim(top=1.6 * top)  # space for the notes
     figure.suptitle("What finite elements and numbers buy")
     save(figure, sys.argv[2])
 

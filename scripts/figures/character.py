@@ -1,5 +1,5 @@
-"""What Sec. 3 promises of its springs, and what keeping the promise costs: distance from the heuristic near the contact
-and away from it, steps between neighbouring sets, and the front of loss against distance."""
+"""Character of the spring sets (Sec. 3 of the paper) and its cost: distance from the heuristic near the contact and
+elsewhere, difference between neighbouring sets, and least loss against distance."""
 import matplotlib.pyplot as plt
 import numpy as np
 

@@ -1,13 +1,13 @@
-"""Draws what of a solid shape is held and where its contacts are, before any path is solved: contacts.py RESULTS OUT.png.
+"""Draws the fixed part and the contacts of a solid shape before any path is solved: contacts.py RESULTS OUT.png.
 
-Reads RESULTS/mesh.msh, plan.mk and plan/collect, which `make mesh` leaves there. Says how many places and pushes there are of each role, and how much is held.
-A contact that tissue hides is not drawn in that view.
+Reads RESULTS/mesh.msh, plan.mk and plan/collect, which `make mesh` writes. Prints the number of places and load paths
+of each role, and the fixed part of the surface. A contact that tissue hides is not drawn in that view.
 """
 import re
 import sys
 from pathlib import Path
 
-import needs  # noqa: F401, I001  (before what may be missing)
+import needs  # noqa: F401, I001  (before packages that may be missing)
 import matplotlib
 import numpy as np
 
@@ -26,16 +26,16 @@ STYLES = {"train": ("#0072B2", "o"), "validation": ("#009E73", "s"), "held_out":
 
 
 class Refusal(Exception):
-    """Of a file, and why: one line for a person."""
+    """A file that cannot be used, and the cause: one line of output."""
 
 
 def section(text, name):
-    """Lines of one section of a mesh, without their count."""
+    """Lines of one section of a mesh file, without their count."""
     return text.split(f"${name}\n")[1].split(f"$End{name}")[0].splitlines()[1:]
 
 
 def read_surface(file):
-    """Nodes (N x 3, in mm), facets (F x 3), outward by the right hand, and which of them are held (F)."""
+    """Corners of the facets (F x 3 x 3, in mm), outward by the right-hand rule, and which facets are fixed (F)."""
     try:
         text = Path(file).read_text()
         nodes = np.array([line.split()[1:] for line in section(text, "Nodes")], float)
@@ -44,7 +44,7 @@ def read_surface(file):
         held = np.array([int(row[3]) != FREE_LABEL for row in rows if row[1] == TRIANGLE])
         corners = MM * nodes[facets]
         whole = "$EndElements" in text and nodes.shape[1] == 3
-    except (ValueError, IndexError):  # ValueError: text in another encoding, too
+    except (ValueError, IndexError):  # ValueError also for text in another encoding
         whole = False
     if not whole:
         raise Refusal(file, "is no whole mesh of a solid shape")
@@ -54,7 +54,8 @@ def read_surface(file):
 
 
 def read_contacts(folder):
-    """Of each role its pushes' places [mm], those of a history under "history"; held_out_WORD counts as held_out."""
+    """Contact positions [mm] of each role's load paths; those of histories under "history". held_out_WORD counts as
+    held_out."""
     arguments = dict(re.findall(r"^\$\(R\)/cases/(\S+)\.csv: PATH_ARGUMENTS = (.*)$", (folder / "plan.mk").read_text(), re.M))
     contacts = {role: [] for role in STYLES}
     for line in (folder / "plan" / "collect").read_text().splitlines():
@@ -79,7 +80,7 @@ def hidden(place, eye, corners):
 
 
 def draw_view(axis, towards, corners, held, contacts):
-    """Returns which places of each role are seen."""
+    """Draws one view of the shape with its contacts."""
     eye = np.array(towards) / np.linalg.norm(towards)
     right = np.cross([0, 0, 1], eye)
     right /= np.linalg.norm(right)
@@ -110,13 +111,13 @@ def draw(folder, out):
         say(error.filename, f"{error.strerror}; contacts are drawn of a study with a solid shape, once make mesh has meshed it")
     except Refusal as refusal:
         say(*refusal.args)
-    except ValueError as error:  # text in another encoding, or what is no number
+    except ValueError as error:  # text in another encoding, or text that is not a number
         say(folder, error)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     counts = {role: f"{role} {len(np.unique(places, axis=0))} places, {len(places)} pushes" for role, places in contacts.items()}
     share = f"{100 * area[held].sum() / area.sum():.0f} % of the surface is held"
     figure, axes = plt.subplots(1, len(VIEWS), figsize=(12, 5.6))
-    figure.set_layout_engine("constrained", rect=(0, 0.07, 1, 0.93))  # room for the legend below
+    figure.set_layout_engine("constrained", rect=(0, 0.07, 1, 0.93))  # space for the legend below
     for axis, (title, towards) in zip(axes, VIEWS.items()):
         draw_view(axis, towards, corners, held, contacts)
         axis.set_title(title, fontsize=10)

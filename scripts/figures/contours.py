@@ -1,4 +1,4 @@
-"""Fig. 2: displacement of two load cases on the deformed tissue, over its undeformed outline and lattice."""
+"""Fig. 2 of the paper: displacement of two load cases on the deformed tissue, with undeformed outline and lattice."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection

@@ -1,15 +1,15 @@
 """Draws one figure of a study: draw.py FIGURE RESULTS OUT.png.
 
-FIGURE is a module beside this file (contours, force, learning, springs, errors) with draw(results) -> figure.
+FIGURE is a module beside this file with draw(results) -> figure, for example contours, force or learning.
 """
 import importlib
 import logging
 import sys
 from pathlib import Path
 
-# a home that cannot be written to is no news here
+# a home directory without write permission causes a warning that does not matter here
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
-import needs  # noqa: E402, F401, I001  (before what may be missing)
+import needs  # noqa: E402, F401, I001  (before packages that may be missing)
 import matplotlib  # noqa: E402
 
 matplotlib.use("Agg")

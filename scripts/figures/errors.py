@@ -1,4 +1,4 @@
-"""Error of every case: the loss (9), the resolved force, and the indentation error, for learned springs and baselines."""
+"""Errors of every case: loss (9), resolved force, and indentation error, for learned springs and baselines."""
 import matplotlib.pyplot as plt
 
 from results import COLOURS, LABELS, MARKERS
@@ -39,7 +39,7 @@ def draw(results):
     axes[0].set_yticks(range(len(cases)), [case["name"].replace("-", " ") for case in cases], fontsize=8)
     axes[0].invert_yaxis()
     handles, labels = axes[0].get_legend_handles_labels()
-    figure.set_layout_engine("constrained", rect=(0, 0.08, 1, 0.92))  # room for the legend
+    figure.set_layout_engine("constrained", rect=(0, 0.08, 1, 0.92))  # space for the legend
     figure.legend(handles, labels, loc="lower center", ncols=-(-len(labels) // 2), frameon=False)
     figure.suptitle("Relative error of force, by case; in brackets: how many have an equilibrium")
     return figure

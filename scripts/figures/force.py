@@ -1,4 +1,4 @@
-"""Fig. 3: resolved force at the loaded node against its displacement, along every load path."""
+"""Fig. 3 of the paper: resolved force at the loaded node against its displacement, along every load path."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -17,7 +17,7 @@ def draw(results):
         serving = np.array(curve["serving_set"])
         for model in ("learned", "heuristic_a", "heuristic_b"):
             y = np.array(curve["models_N"][model], dtype=float) * 1e3  # null: no answer
-            # the learned model changes its spring set between magnitudes: a jump, not a slope
+            # the learned model changes its spring set between magnitudes, where its curve has a jump
             for name in dict.fromkeys(serving) if model == "learned" else [None]:
                 part = serving == name if name else np.full(len(x), True)
                 axis.plot(x[part], y[part], color=COLOURS[model], linewidth=1.6,
@@ -39,7 +39,7 @@ def draw(results):
     for axis in axes[:, 0]:
         axis.set_ylabel("resolved force (mN)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.set_layout_engine("constrained", rect=(0, 0.045, 1, 0.955))  # room for the legend
+    figure.set_layout_engine("constrained", rect=(0, 0.045, 1, 0.955))  # space for the legend
     figure.legend(handles, labels, loc="lower center", ncols=len(labels), frameon=False)
     figure.suptitle("Force along the push at the loaded node, every node where finite elements have it.\n"
                     "Between magnitudes the set of the nearest trained magnitude serves (bands)", fontsize=11)

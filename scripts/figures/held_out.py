@@ -1,4 +1,5 @@
-"""Closed-loop error on contacts that no set was trained on: around the outline, how often, and by angle and depth."""
+"""Indentation error of contact force on the test set: around the outline, its distribution, and against angle and
+depth."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -23,10 +24,10 @@ def draw(results):
     around = axes[0, 0]
     loop = np.append(results.boundary, results.boundary[0])
     around.plot(*(results.nodes[loop] * 1e3).T, color="0.5", linewidth=1)
-    points = np.array([results.point_at(c["arc_m"]) for c in contacts]).reshape(-1, 2) * 1e3  # of none too
+    points = np.array([results.point_at(c["arc_m"]) for c in contacts]).reshape(-1, 2) * 1e3  # also for no contact
     inward = np.array([results.normal_at(c["arc_m"]) for c in contacts]).reshape(-1, 2)
     depth = np.array([c["depth_m"] for c in contacts]) * 1e3
-    where = points + inward * depth[:, None]  # as deep inside as the push was long
+    where = points + inward * depth[:, None]  # inside the tissue, at the depth of the indentation
     shade = around.scatter(*where.T, c=np.maximum(error, 1e-3), norm=LogNorm(1e-3, 0.3), cmap="viridis", s=16)
     figure.colorbar(shade, ax=around, label="force error", format=lambda v, _: f"{100 * v:g} %")
     around.set_aspect("equal")
@@ -74,6 +75,6 @@ def draw(results):
         axis.grid(color="0.9")
     for corner in results.corner_arcs():
         axes[1, 2].axvline(corner * 1e3, color="0.6", linestyle=":", linewidth=1)
-    axes[1, 2].legend(framealpha=0.9)  # its dots are not contacts
+    axes[1, 2].legend(framealpha=0.9)  # nearly opaque: the legend's markers are not data
     figure.suptitle("Test set: indentation error of the force on the tool")
     return figure

@@ -1,4 +1,4 @@
-"""Force against displacement at a seeded handful of held-out contacts: FE, the learned springs, one stiffness."""
+"""Force against displacement at contacts of the test set, chosen by seed: FE, learned springs, one stiffness."""
 import matplotlib.pyplot as plt
 import numpy as np
 

@@ -1,5 +1,5 @@
-"""Of tissue in space: indentation error of force at the contacts of the test set, on its surface seen from above, how often, and
-by tilt, depth and distance from the nearest wall, on a shape height."""
+"""Tissue in space: indentation error of force at the contacts of the test set. Seen from above on the surface; its
+distribution; against tilt, depth and distance from the nearest wall (of a shape: height)."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -12,7 +12,7 @@ ROLES = {"held_out": ("core range", "o", "#0072B2"), "held_out_near": ("near a w
          "held_out_sideways": ("sideways", "D", "#CC79A7")}
 SHOWN = {"learned": None, "force_table": "FE force table", "untrained": "untrained model",
          "heuristic_a": "heuristic springs alone", "uniform": "one stiffness alone"}
-LOWEST = 1e-3  # of a logarithmic axis
+LOWEST = 1e-3  # lower limit of the logarithmic axes
 
 
 def draw(results):
@@ -53,7 +53,7 @@ def from_above(figure, axis, results, drawn):
         if not drawn[role]:
             continue
         place = MM * np.array([c["contact_m"][:2] for c in drawn[role]])
-        # a tick as long as the push goes sideways
+        # a line with the length of the sideways part of the displacement
         tick = MM * np.array([c["depth_m"] * np.array(c["direction"][:2]) for c in drawn[role]])
         for start, way in zip(place, tick):
             axis.plot(*np.stack([start, start + way]).T, color="0.25", linewidth=1, zorder=2)

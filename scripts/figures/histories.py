@@ -1,4 +1,5 @@
-"""Force over time: of each group the history with the median error, finite elements, the trained model, elastic springs."""
+"""Force over time for the displacement history with the median error of each group: finite elements, the trained model,
+elastic springs."""
 import math
 
 import matplotlib.pyplot as plt
@@ -11,7 +12,7 @@ def draw(results):
     histories = results.evaluation["histories"]
     if "each" not in histories:
         return nothing("Finite elements lost all held-out histories")
-    groups = list(dict.fromkeys(h["group"] for h in histories["each"]))  # those of which FE did not lose all
+    groups = list(dict.fromkeys(h["group"] for h in histories["each"]))  # groups with an FE reference
     columns = min(2, len(groups))
     rows = -(-len(groups) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(5.6 * columns, 2.7 * rows), squeeze=False, layout="constrained")
@@ -36,6 +37,6 @@ def draw(results):
 
 
 def middle(histories):
-    """The one with the median error; of an even number the better of the two."""
+    """The history with the median error; of an even number the better of the middle two."""
     ordered = sorted(histories, key=lambda h: math.inf if h["error"]["learned"]["rms"] is None else h["error"]["learned"]["rms"])
     return ordered[(len(ordered) - 1) // 2]

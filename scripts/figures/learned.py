@@ -1,13 +1,14 @@
-"""What a model has learned from pokes, over its plane: how much stiffer each place is than as trained, and how surely that is known.
+"""The field that a model in the plane has adapted to measurements: stiffness over the trained one, and its posterior
+standard deviation.
 
     scripts/figures/learned.py OUT.png MODEL.h5 [MODEL.h5 ...] [--truth X Y RADIUS]
 
-A column a model of `tissuectl adapt` (or `tissue-haptic --learn`) on unknowns `field`: above the factor, below its standard deviation. --truth: a
-circle in mm, where something is known to lie.
+One column for each model of `tissuectl adapt` (or `tissue-haptic --learn`) with unknowns `field`: above the factor,
+below the posterior standard deviation of its logarithm. --truth: a circle in mm, the outline of a known inclusion.
 """
 import argparse
 
-import needs  # noqa: F401, I001  (before what may be missing)
+import needs  # noqa: F401, I001  (before packages that may be missing)
 import matplotlib
 
 matplotlib.use("Agg")
@@ -21,7 +22,7 @@ from stored import stored
 
 
 def learned(file):
-    """(nodes, triangles, factor at each node, its standard deviation in log, pokes learned)"""
+    """(nodes, triangles, factor at each node, standard deviation of its logarithm, number of measurements)"""
     with stored(file) as model:
         if "adaptation" not in model or model["adaptation"].attrs["unknowns"] not in ("field", b"field"):
             say(file, "has learned no field")
@@ -29,7 +30,7 @@ def learned(file):
             say(file, "is no model in the plane")
         group = model["adaptation"]
         x, sd = group["x"][:], np.sqrt(np.diag(group["covariance"][:]))
-        if group.attrs["rival"] and group.attrs["evidence"] < 0:  # one scale plays
+        if group.attrs["rival"] and group.attrs["evidence"] < 0:  # one scale for all the tissue is likelier
             x = np.full_like(x, group.attrs["scale"])
         return model["mesh/nodes"][:], model["mesh/triangles"][:], np.exp(x), sd, int(group.attrs["learned"])
 

@@ -1,4 +1,4 @@
-"""Fig. 4: learning curves of every spring set, one panel an optimiser."""
+"""Fig. 4 of the paper: learning curves of every spring set, one panel for each optimiser."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -12,11 +12,11 @@ def draw(results):
     for axis, (model, trained) in zip(axes.flat, models.items()):
         scale = (trained.loss / trained.rel_loss)[:, None]
         curves = trained.curve / scale
-        for row in curves:  # sets record at different iterations; between two, a set stands where it stood
+        for row in curves:  # sets record at different iterations; the last recorded value holds until the next
             known = ~np.isnan(row)
             row[:] = row[known][np.cumsum(known) - 1]
         colour = COLOURS.get(model, "#0072B2")
-        iteration = np.maximum(trained.iteration, 0.7)  # 0 has no place on a logarithmic axis
+        iteration = np.maximum(trained.iteration, 0.7)  # a logarithmic axis has no 0
         middle = np.median(curves, axis=0)
         for row in curves:
             axis.plot(iteration, row, color=colour, alpha=0.3, linewidth=0.9)

@@ -1,5 +1,6 @@
-"""Force of straight pushes over a solid's top, from above: in finite elements, in the model, and their ratio. The dashed
-circle is the nodule's outline below. A block that mirrors itself is mapped on one side; the other is drawn alike."""
+"""Force map of straight indentations over a solid's top, from above: finite elements, the model, and their difference.
+The dashed circle is the outline of the nodule below. A symmetric block is solved on one side; the other side is its
+mirror image."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -42,8 +43,8 @@ def draw(results):
 
 
 def whole(x, y, values, results):
-    """Places and values on both sides of the nodule's middle, along each axis in whose middle it lies and one side of which
-    the places are."""
+    """Mirrors places and values at the nodule's centre, along each axis where the nodule is at the middle of the block
+    and all places are on one side."""
     if results.ground is None:
         return x, y, values
     nodule = results.ground[:, :3].mean(axis=0)
@@ -61,12 +62,12 @@ def whole(x, y, values, results):
 
 
 def shaded(axis, x, y, value, **how):
-    """The value over the places; nothing in the rectangles with a place that has no answer."""
+    """The value over the places. Rectangles with a corner without an answer stay empty."""
     return axis.pcolormesh(MM * x, MM * y, np.ma.masked_invalid(value), shading="gouraud", zorder=1, **how)
 
 
 def outline(axis, ground):
-    """The nodule's outline: of a ball the mean square distance from the middle is 3/5 of the radius'."""
+    """The nodule's outline. The mean square distance from a ball's centre is 3/5 of its squared radius."""
     if ground is None:
         return
     middle = ground[:, :3].mean(axis=0)

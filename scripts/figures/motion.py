@@ -1,10 +1,11 @@
-"""The running simulation pressed until it rests: motion.py REALTIME.json OUT.png, from `make realtime`.
+"""The running simulation, indented until it is at rest: motion.py REALTIME.json OUT.png, from `make realtime`.
 
-Force against time and against depth, the rest state against the static answer, and what a switch of spring sets does.
+Force against time and against depth, the state at rest against the static solution, and the effect of a switch of
+spring sets.
 """
 import sys
 
-import needs  # noqa: F401, I001  (before what may be missing)
+import needs  # noqa: F401, I001  (before packages that may be missing)
 import matplotlib
 
 matplotlib.use("Agg")
@@ -23,7 +24,7 @@ def main():
     if len(sys.argv) != 3:
         sys.exit("usage: motion.py REALTIME.json OUT.png")
     data = read_json(sys.argv[1], FORM)
-    switches, study = data["switches"], data["study"]  # of sets: a law never switches
+    switches, study = data["switches"], data["study"]  # of spring sets; an energy model has no switches
     presses = [p for p in data["presses"] if None not in (p["static_error"], *p["static_N"])]
     for p in presses:
         of_one_length(p["curve"], "time_s", "force_N", "depth_m")

@@ -1,4 +1,5 @@
-"""Imported before packages that may be missing: their absence is one line that says what to install, and no traceback."""
+"""Imported before packages that may be missing. Without one of them the program prints one line on what to install, no
+traceback."""
 import sys
 from pathlib import Path
 

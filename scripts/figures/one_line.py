@@ -1,7 +1,8 @@
-"""A file that cannot be read as what it must be, or not be written, ends the program with one line and exit status 2.
+"""A file that cannot be read in its expected form, or cannot be written, ends the program with one line and exit status
+2.
 
-`with reading(FILE):` stands around what reads the file, and nothing else: a fault of our own still shows where it is. JSON comes by
-`read_json(FILE, FORM)`, so that what is made of it later finds the types it needs.
+`with reading(FILE):` encloses only the code that reads the file, so that a defect elsewhere still gives a traceback.
+`read_json(FILE, FORM)` reads JSON and checks the types that later code expects.
 """
 import contextlib
 import json
@@ -10,7 +11,7 @@ from pathlib import Path
 
 
 def say(file, why):
-    """Ends the program; a terminal obeys no control byte of a file's name or content."""
+    """Prints one line and ends the program. Control characters of a file's name or content are replaced."""
     line = " ".join(f"{Path(sys.argv[0]).name}: {file}: {why}".split())
     print("".join(c if c.isprintable() else "?" for c in line.encode("utf-8", "replace").decode()), file=sys.stderr)
     sys.exit(2)
@@ -20,20 +21,20 @@ def say(file, why):
 def reading(file):
     try:
         yield
-    except OSError as error:  # h5py's own have no error number, but a text
+    except OSError as error:  # h5py's OSErrors have a text and no error number
         say(file, error.strerror or error)
     except KeyError as error:
         say(file, f"has no {error}" if len(str(error).split()) == 1 else error.args[0])
-    except Exception as error:  # whatever a reader meets in bytes that are none of its kind
+    except Exception as error:  # any error of a reader on bytes of another format
         say(file, error or type(error).__name__)
 
 
 KINDS = {dict: "an object", list: "a list", str: "a text", float: "a number", int: "a whole number", bool: "true or false", type(None): "null"}
-NUMBER_OR_NULL = (float, type(None))  # null: infinite, an answer is missing
+NUMBER_OR_NULL = (float, type(None))  # null is infinite: an answer is missing
 
 
 class Object(dict):
-    """Of a JSON file; to ask it for a key that it lacks ends the program."""
+    """An object of a JSON file. Access to a missing key ends the program."""
 
     def __init__(self, content, file, place):
         super().__init__(content)
@@ -44,8 +45,9 @@ class Object(dict):
 
 
 def read_json(file, form, lines=False):
-    """What a JSON file holds, or with `lines` the list of what its lines hold. Its form: a type, [form] a list, [form, ...] one that is not empty,
-    {key: form} an object, whose key "*" stands for all that are not named, or a tuple of forms; None is any. A key may be missing until it is asked for."""
+    """The content of a JSON file, or with `lines` the list of its lines' contents. Its form: a type; [form] for a list;
+    [form, ...] for a list that is not empty; {key: form} for an object, where the key "*" stands for all that are not
+    named; a tuple of forms; None for any. A missing key is reported on access."""
     with reading(file):
         text = Path(file).read_text()
         content = [json.loads(line) for line in text.splitlines()] if lines else json.loads(text)
@@ -72,6 +74,6 @@ def fitted(content, form, file, place):
 
 
 def of_one_length(part, *keys):
-    """Lists of an object of read_json that belong together."""
+    """Checks that lists of an object of read_json have the same length."""
     if len({len(part[key]) for key in keys}) > 1:
         say(part.file, f"{part.place}{', '.join(keys)} differ in length")

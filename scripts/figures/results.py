@@ -1,4 +1,4 @@
-"""A study's results as arrays, for the figures. Reads cases.h5, model.h5 and eval.json; computes nothing."""
+"""A study's results as arrays, for the figures. Reads cases.h5, model.h5 and eval.json without computing anything."""
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -7,7 +7,7 @@ import numpy as np
 from one_line import NUMBER_OR_NULL, read_json
 from stored import stored
 
-# Okabe and Ito's palette: told apart with every common colour vision
+# Okabe and Ito's palette, which is distinguishable with every common type of colour vision
 COLOURS = {
     "fe": "#000000",
     "learned": "#0072B2",
@@ -32,7 +32,7 @@ LABELS = {
     "one_set": "one learned set for all cases",
 }
 
-# of eval.json (results/FORMATS.md), what figures and page compute with
+# form of eval.json (results/FORMATS.md), as far as figures and page use it
 STATISTICS = {"median": NUMBER_OR_NULL, "p95": NUMBER_OR_NULL, "max": NUMBER_OR_NULL, "n": int, "of": int, "missing": int, "no_reference": int}
 ERRORS = {"*": NUMBER_OR_NULL}
 SERIES = {"magnitude_m": [float], "fe_N": [float], "models_N": {"*": [NUMBER_OR_NULL]}}
@@ -51,19 +51,19 @@ EVALUATION = {
 
 
 def truth_label(results):
-    """What the models are held against."""
+    """Label of the reference: measured forces or finite elements."""
     return "measured" if results.evaluation.get("measurement") else LABELS["fe"]
 
 
 def model_name(results, optimizer):
-    """An optimiser's column in eval.json: the study's own is "learned", the others "learned_NAME"."""
+    """An optimiser's column in eval.json: "learned" for the study's own, "learned_NAME" for the others."""
     own = optimizer == next(iter(results.trained))
     return "learned" if own else "learned_" + optimizer.replace("-", "_").replace(":", "_")
 
 
 class Results(SimpleNamespace):
     def _surface(self):
-        """Nodes of the free surface, from where it leaves the fixed edge, counter-clockwise, and their arc lengths."""
+        """Nodes of the free surface, counter-clockwise from the end of the fixed edge, and their arc lengths."""
         loop, fixed = list(self.boundary), set(self.fixed)
         start = next(i for i in range(len(loop)) if loop[i] in fixed and loop[(i + 1) % len(loop)] not in fixed)
         nodes = [loop[start]]
@@ -84,14 +84,16 @@ class Results(SimpleNamespace):
         points, arcs = self._surface()
         step = np.diff(points, axis=0)
         step /= np.linalg.norm(step, axis=1)[:, None]
-        return arcs[1:-1][(step[:-1] * step[1:]).sum(axis=1) < np.sqrt(0.5)]  # as mesh/outline: less is a curve
+        # threshold as in mesh/outline; a smaller turn is a curve
+        return arcs[1:-1][(step[:-1] * step[1:]).sum(axis=1) < np.sqrt(0.5)]
 
 
 def how_often(evaluation, role, model):
-    """Errors of a model at the contacts drawn for a role, ascending; the part of those with a reference that is at or below each, where a missing
-    answer is above them all; and "n of N" (results/FORMATS.md)."""
+    """Errors of a model at the contacts drawn for a role, in ascending order; for each the fraction of the contacts
+    with a reference whose error is at or below it, where a missing answer counts as infinite; and "n of N"
+    (results/FORMATS.md)."""
     models = evaluation["closed_loop"].get(role, {})
-    name = model if model in models else f"{model}_patch"  # springs alone, under the contact of the model
+    name = model if model in models else f"{model}_patch"  # springs alone, with the contact of the model
     if name not in models:
         return [], [], ""
     found = models[name]
@@ -100,22 +102,22 @@ def how_often(evaluation, role, model):
 
 
 def nothing(words):
-    """A figure that says why there is none."""
-    import matplotlib.pyplot as plt  # after whoever draws has chosen the backend
+    """A figure with a text in place of one that cannot be drawn."""
+    import matplotlib.pyplot as plt  # after the caller has chosen the backend
     figure = plt.figure(figsize=(8, 2))
     figure.text(0.5, 0.5, words, ha="center")
     return figure
 
 
 def learned_label(results):
-    """What the learned springs are, in a legend: of spring sets the nearest serves, an energy model is one."""
+    """Legend label of the learned springs: one energy model, or spring sets of which the nearest is used."""
     return "trained model" if "terms" in results.evaluation["training"] else "trained, nearest set"
 
 
 def load(folder):
     folder = Path(folder)
     results = Results(evaluation=read_json(folder / "eval.json", EVALUATION), paths={}, trained={})
-    results.evaluation.setdefault("drawn", {})  # of no contact that was drawn has FE an answer
+    results.evaluation.setdefault("drawn", {})  # missing where no drawn contact has an FE reference
     with stored(folder / "cases.h5") as f:
         results.is_block = "shape" not in f
         for name in f["path_names"].asstr():

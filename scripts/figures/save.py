@@ -1,4 +1,5 @@
-"""How every figure is saved: save(figure, out); and any file that must be whole: with written(out) as beside. What the disk or a rule refuses ends the program with one line."""
+"""Saves figures, save(figure, out), and files that must be complete, `with written(out) as beside`. A refused write
+ends the program with one line."""
 import contextlib
 import errno
 import fcntl
@@ -12,7 +13,8 @@ from one_line import say
 
 
 def left_over(out):
-    """Removes what a killed program has left beside `out`: of this user, and nobody holds its lock (lib/io/beside.cpp)."""
+    """Removes temporary files of killed programs beside `out`: files of this user that are not locked
+    (lib/io/beside.cpp)."""
     name = re.compile(re.escape(os.path.basename(out)) + r"\.tissue-[0-9a-f]{8}\.tmp")
     for entry in os.scandir(os.path.dirname(out) or "."):
         if not name.fullmatch(entry.name):
@@ -24,14 +26,15 @@ def left_over(out):
 
 
 def refuse_links(out):
-    """Of another user, on the way to `out` or to where a link on it leads: they are not followed (lib/io/folder.h)."""
+    """Refuses links of another user on the path to `out`, and on the path to the target of a link on it
+    (lib/io/folder.h)."""
     at, left, links = Path("/" if os.path.isabs(out) else "."), list(Path(out).parent.parts), 0
     while left:
         at = at / left.pop(0)
         if not at.is_symlink():
             continue
         if at.lstat().st_uid not in (0, os.geteuid()):
-            raise OSError(errno.EPERM, f"cannot write: '{at.name}' is a link of another user, which is not followed: give the path that it leads to", out)
+            raise OSError(errno.EPERM, f"cannot write: '{at.name}' is a link of another user, which is not followed: give the path of its target", out)
         links += 1
         if links > 40:
             raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), out)
@@ -41,7 +44,7 @@ def refuse_links(out):
 
 
 def refuse_devices(out):
-    """A file in the place of a device or of a pipe would take it away for everybody (lib/io/atomic_file.h)."""
+    """Refuses a device or a pipe: replacing it by a file would remove it for every program (lib/io/atomic_file.h)."""
     with contextlib.suppress(FileNotFoundError):
         mode = os.stat(out).st_mode
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
@@ -49,20 +52,21 @@ def refuse_devices(out):
 
 
 def drawn(out):
-    """A new file beside `out`, open and locked where the disk has locks, and its name, which is drawn: nothing that somebody has planted is followed."""
+    """A new file beside `out`, open and locked where the file system has locks, and its random name, so that a planted
+    file or link is not used."""
     for _ in range(100):
         beside = f"{out}.tissue-{secrets.token_hex(4)}.tmp"
         try:
             file = open(os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "rb+")
         except FileExistsError:
             continue
-        with contextlib.suppress(FileNotFoundError, BlockingIOError):  # another program has taken it for left over
+        with contextlib.suppress(FileNotFoundError, BlockingIOError):  # another program has removed it as left over
             try:
                 fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
             except BlockingIOError:
                 raise
             except OSError:
-                pass  # some network disks have no locks
+                pass  # some network file systems have no locks
             if os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
                 return file, beside
         file.close()
@@ -71,8 +75,9 @@ def drawn(out):
 
 @contextlib.contextmanager
 def replaced(out):
-    """A name of the open file beside `out` that becomes it in the end, or is removed, as lib/io/atomic_file does: its descriptor's, so that what another
-    user puts in the place of the drawn name gets nothing. Raises OSError."""
+    """Name of an open file beside `out` that replaces `out` at the end, or is removed on an error, as in
+    lib/io/atomic_file. It is the name of the descriptor, so that a file that another user puts in place of the random
+    name receives nothing. Raises OSError."""
     out = os.fspath(out)
     refuse_links(out)
     refuse_devices(out)
@@ -82,11 +87,11 @@ def replaced(out):
         try:
             yield f"/proc/{os.getpid()}/fd/{file.fileno()}"
             try:
-                os.fsync(file.fileno())  # its content is on the disk before its name
+                os.fsync(file.fileno())  # the content must be on the disk before the name
                 if not os.path.lexists(beside) or not os.path.samestat(os.fstat(file.fileno()), os.lstat(beside)):
                     raise OSError(errno.ESTALE, "cannot write: another program has taken the file away that was made beside it")
                 os.replace(beside, out)
-            except OSError as error:  # the message names the file that was asked for
+            except OSError as error:  # the message names the requested file
                 raise OSError(error.errno, error.strerror, out) from None
         except BaseException:
             with contextlib.suppress(OSError):
@@ -96,7 +101,8 @@ def replaced(out):
 
 @contextlib.contextmanager
 def written(out):
-    """The same, and one line where it cannot be. Within it whole content is written, or another file copied."""
+    """As `replaced`, but an OSError ends the program with one line. Inside, the whole content is written, or another
+    file copied."""
     beside = None
     try:
         with replaced(out) as beside:
@@ -106,6 +112,6 @@ def written(out):
 
 
 def save(figure, out):
-    """Written beside and renamed. No date and no version inside: the same data give the same bytes."""
+    """Writes a temporary file and renames it. It has no date and no version, so the same data give the same bytes."""
     with written(out) as beside:
         figure.savefig(beside, dpi=110, format="png", metadata={"Software": None})

@@ -1,5 +1,5 @@
-"""Deformed tissue at the contacts of the test set with the median and the largest displacement error, finite elements over the
-learned springs; and displacement error against force error at every contact of the test set."""
+"""Deformed tissue at the contacts of the test set with the median and the largest displacement error, finite elements
+over the learned springs; and displacement error against force error at every contact of the test set."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -25,7 +25,7 @@ def draw(results):
     for axis in axes[len(shapes):2]:
         axis.set_visible(False)
     if shapes:
-        figure.set_layout_engine("constrained", rect=(0, 0.05, 1, 0.95))  # room for the legend
+        figure.set_layout_engine("constrained", rect=(0, 0.05, 1, 0.95))  # space for the legend
         figure.legend(*axes[0].get_legend_handles_labels(), loc="lower left", bbox_to_anchor=(0.1, 0), ncols=4, frameon=False)
 
     force_and_shape(axes[2], results, contacts, shapes)
@@ -34,7 +34,7 @@ def draw(results):
 
 
 def outlines(axis, results, path, displacement):
-    """Where finite elements and the model have the outline, and every node's way from the one to the other."""
+    """The outline in finite elements and in the model, and the difference at every node."""
     rest = results.nodes * MM
     fe = rest + path.displacement[-1] * MM
     model = rest + displacement * MM

@@ -1,4 +1,4 @@
-"""Shape error against force error at every held-out contact, of each model."""
+"""Displacement error against force error at every contact of the test set, for each model."""
 import numpy as np
 
 from results import COLOURS, learned_label
@@ -13,20 +13,21 @@ def percent(value):
 
 
 def which_of(shape, contacts):
-    """What a contact of drawn_shapes is among all held-out ones: a missing answer counts as the largest error there is."""
+    """Rank of a contact of drawn_shapes in the test set. A missing answer counts as the largest error."""
     answered = sum(c["shape"].get("learned") is not None for c in contacts.values())
     of = "" if answered == len(contacts) or shape["which"] == "median" else f" of the {answered} of {len(contacts)} that have an answer"
     return f"{shape['which'].capitalize()} displacement error{of}"
 
 
 def percent_axis(axis, between=True):
-    """Of a logarithmic axis: 10 %, and smaller 20 % and 50 % between, as one decade may hold all there is."""
+    """Percent labels of a logarithmic axis: 10 %, and between the decades 20 % and 50 %, since the data may span only
+    one decade."""
     axis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
     axis.set_minor_formatter(lambda v, _: f"{100 * v:g} %" if between and f"{v:.0e}"[0] in "25" else "")
 
 
 def force_and_shape(errors, results, contacts, shapes):
-    """Shape error against force error at every held-out contact; those of drawn_shapes with a ring."""
+    """Displacement error against force error at every contact of the test set; a ring marks those of drawn_shapes."""
     if not contacts:
         return errors.set_visible(False)
     models = {**(SHOWN_OF_SOLIDS if results.solid else SHOWN), "learned": learned_label(results)}

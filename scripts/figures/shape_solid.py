@@ -1,5 +1,6 @@
-"""Of tissue in space: a vertical section through the contacts of the test set with the median and the largest displacement error, finite
-elements over the model; the surface's displacement along it; and displacement error against force error at every contact of the test set."""
+"""Tissue in space: a vertical section through the contacts of the test set with the median and the largest displacement
+error, finite elements over the model; displacement of the surface along it; and displacement error against force error
+at every contact of the test set."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -25,7 +26,7 @@ def draw(results):
                           f"{MM * c['depth_m']:.1f} mm deep, {round(c['angle_deg'])} degrees off straight in", fontsize=10)
         draw_profile(profile, results, cut, fe, model)
     if shapes:
-        figure.set_layout_engine("constrained", rect=(0, 0.05, 1, 0.95))  # room for the legend
+        figure.set_layout_engine("constrained", rect=(0, 0.05, 1, 0.95))  # space for the legend
         figure.legend(*section.get_legend_handles_labels(), loc="lower left", bbox_to_anchor=(0.15, 0), ncols=4, frameon=False)
     force_and_shape(figure.add_subplot(grid[:, 2]), results, contacts, shapes)
     figure.suptitle("Deformed tissue while the tool is held, finite elements and springs")
@@ -33,19 +34,21 @@ def draw(results):
 
 
 class Cut:
-    """A vertical section that runs along an axis: points between two nodes each, and lines and the top's row among them."""
+    """A vertical section along an axis: its points, each between two nodes, the lines between them, and the points of
+    the top in order."""
 
     def __init__(self, along, place, first, second, part, lines, top):
         self.along, self.place, self.first, self.second, self.part, self.lines, self.top = along, place, first, second, part, lines, top
 
     def at(self, values):
-        """Of the nodes (N x 3), at the points."""
+        """Values at the nodes (N x 3), interpolated to the points."""
         part = self.part[:, None]
         return (1 - part) * values[self.first] + part * values[self.second]
 
 
 def surface_cut(results, path):
-    """As the push leans, through the contact: where the plane meets the sides of the surface's triangles."""
+    """The section through the contact along the axis of the displacement's tilt: where the plane cuts the edges of the
+    surface's triangles."""
     along = int(np.argmax(np.abs(path.direction[:2])))
     place = path.contact[1 - along]
     above = results.nodes[:, 1 - along] > place

@@ -1,5 +1,5 @@
-"""A solid cut open through the test contact with the median displacement error: displacement in finite elements, in the model,
-and what lies between the two."""
+"""A solid cut open through the test contact with the median displacement error: displacement in finite elements, in the
+model, and their difference."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -24,7 +24,7 @@ def draw(results):
     facets, cut_mm = cut_open(results, path.contact)
     away = np.linalg.norm(model - fe, axis=1)
     figure, axes = plt.subplots(1, 3, figsize=(17, 5.8))
-    figure.set_layout_engine("constrained", rect=(0, 0.03, 1, 0.87))  # room for two lines above, and for what hangs below a line
+    figure.set_layout_engine("constrained", rect=(0, 0.03, 1, 0.87))  # space for two lines above, descenders below
     shown = np.unique(facets)
     most = max(np.linalg.norm(u[shown], axis=1).max() for u in (fe, model))
     same = levels(most)
@@ -51,14 +51,15 @@ def draw(results):
 
 
 def levels(most):
-    """Round steps from 0, about ten of them."""
+    """About ten round steps from 0 to the value."""
     step = 10 ** np.floor(np.log10(most / 10))
     step *= next(f for f in (1, 2, 5, 10) if most / (f * step) <= 12)
     return np.arange(0, np.ceil(most / step) + 1) * step
 
 
 def cut_open(results, contact):
-    """Facets of what is behind the plane of nodes y = const nearest to a contact, normals out; and where it lies [mm]."""
+    """Facets, with outward normals, of the part behind the plane y = const of nodes nearest to a contact; and its y
+    [mm]."""
     y = results.nodes[:, 1]
     cut = y[np.argmin(np.abs(y - contact[1]))]
     kept = results.tetrahedra[y[results.tetrahedra].mean(axis=1) > cut]
@@ -68,7 +69,7 @@ def cut_open(results, contact):
 
 
 def project(points):
-    """Points (... x 3) on the picture (... x 2), and how near to the eye (...)."""
+    """Points (... x 3) projected to the picture (... x 2), and their distance towards the eye (...)."""
     eye = VIEW / np.linalg.norm(VIEW)
     right = np.cross([0, 0, 1], eye)
     right /= np.linalg.norm(right)
@@ -83,7 +84,7 @@ def block(axis, results, facets, u, value, bounds, cmap):
     flat = project(place)[0]
     axis.tricontourf(*flat.T, seen, value, levels=bounds, norm=BoundaryNorm(bounds, 256), cmap=cmap, zorder=1)
     axis.tricontour(*flat.T, seen, value, levels=bounds, colors="black", linewidths=0.3, alpha=0.5, zorder=1.5)
-    # sides of triangles that are seen, of a block without their diagonals; and how the block was at rest
+    # edges of visible triangles, of a block without their diagonals; and the outline of the block at rest
     pairs = np.unique(np.sort(np.concatenate([seen[:, [0, 1]], seen[:, [1, 2]], seen[:, [2, 0]]]), axis=1), axis=0)
     if results.is_block:
         pairs = pairs[((results.nodes[pairs[:, 0]] - results.nodes[pairs[:, 1]]) != 0).sum(axis=1) == 1]

@@ -1,4 +1,4 @@
-"""Fig. 6: the spring mesh of two load cases, coloured by learned stiffness in units of E2 = E t."""
+"""Fig. 6 of the paper: the spring mesh of two load cases, coloured by learned stiffness in units of E2 = E t."""
 import matplotlib.pyplot as plt
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LogNorm

@@ -1,4 +1,5 @@
-"""HDF5 files of the project, read: `with stored(FILE) as file:`. What in one leads to another file is refused, as lib/io/hdf5_reader.cpp does."""
+"""Reads HDF5 files of the project: `with stored(FILE) as file:`. References to other files are refused, as in
+lib/io/hdf5_reader.cpp."""
 import contextlib
 
 import h5py
@@ -7,7 +8,8 @@ from one_line import reading
 
 
 def refuse_foreign(group, seen):
-    """Links of any kind but hard ones, values that another file holds, and groups of more than one name: within themselves, or again and again."""
+    """Refuses links other than hard links, datasets with values in another file, and groups with a second hard link
+    (cycles and repeated expansion)."""
     address = h5py.h5o.get_info(group.id).addr
     if address in seen:
         raise ValueError(f"{group.name}: is a group with a second hard link, which is not followed")

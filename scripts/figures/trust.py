@@ -1,13 +1,14 @@
-"""Where the truth can be trusted: trust.py TRUST.csv OUT.png, from scripts/trust_study.py.
+"""Limits of the FE reference: trust.py TRUST.csv OUT.png, from scripts/trust_study.py.
 
-Above: force of a 10 mm patch on the left midpoint against its push, on meshes of different fineness. Below: the push at
-which each mesh arrives at a state that is folded, self-crossing, or has no neighbour.
+Above: force of a 10 mm patch at the middle of the left wall against its displacement, on meshes of different element
+size. Below: the displacement at which each mesh reaches a state that is folded or self-intersecting, or has no
+equilibrium.
 """
 import csv
 import sys
 from collections import defaultdict
 
-import needs  # noqa: F401, I001  (before what may be missing)
+import needs  # noqa: F401, I001  (before packages that may be missing)
 import matplotlib
 
 matplotlib.use("Agg")

@@ -1,4 +1,4 @@
-"""The figure beside gains.md."""
+"""The figure of gains.md."""
 import matplotlib
 import numpy as np
 

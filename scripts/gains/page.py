@@ -1,4 +1,4 @@
-"""The rules and how well they predict, as results/reference/gains.md."""
+"""The text of results/reference/gains.md: the rules and their prediction errors."""
 import textwrap
 
 import numpy as np
@@ -32,7 +32,7 @@ def iterations_rows(measured, topology):
 
 
 def restarted(measured, topology, n, step):
-    """Share of sets that restarted at the tried step next to `step`."""
+    """Fraction of sets that restarted, at the tried step nearest to `step`."""
     near = min(STEPS, key=lambda s: abs(np.log(s / step)))
     return np.mean([r["restarts"] > 0 for r in measured[f"gains-{topology}-{n}"] if r["first_step"] == near])
 
@@ -101,7 +101,7 @@ def rule_lines(measured):
 
 
 def misses(measured):
-    """How far the rule is off on the lattice it has not seen, the worst included."""
+    """Prediction errors of the rules on the lattice that they were not fitted to, with the largest."""
     for t in MESHES:
         points, curves = step_points(measured, t), gain_points(measured, t)
         ratio, left = [], []

@@ -1,4 +1,4 @@
-"""What is measured of gains, iterations and Q: on which lattices, with which steps and weights."""
+"""Measurements for gains, iterations and Q: the lattices, steps and weights."""
 
 LATTICES = [6, 11, 21, 41]
 
@@ -6,7 +6,7 @@ MESHES = {"grid4": "isotropic", "grid8": "axial"}
 
 STEPS = [0.001, 0.002, 0.004, 0.008, 0.016, 0.032, 0.064]
 
-GAP = 0.02  # of a loss to the best there is, at which `spsa` has arrived
+GAP = 0.02  # gap to the least loss at which `spsa` is finished
 
 BUDGET = 5000  # where the paper's learning curve flattens (Fig. 4)
 
@@ -14,13 +14,13 @@ FARS = [1, 0.3, 0.1, 0.03, 0.01, 0.001]
 
 NEARS = [1, 2, 4]
 
-PATCH = "the patch"  # the nodes that carry it: 3 x 3 up to n = 21, 5 x 5 on n = 41
+PATCH = "the patch"  # the nodes with a part of its force: 3 x 3 up to n = 21, 5 x 5 on n = 41
 
 SOME = ["0.005", "0.015"]  # magnitudes where all four would take too long [m]
 
 
 def questions():
-    """What is measured: name -> (nodes a side, topology, magnitudes, task and its options)."""
+    """All measurements: name -> (nodes a side, topology, magnitudes, task of the probe and its options)."""
     steps = ["--first-step", *map(str, STEPS)]
     for n in LATTICES:
         for topology in MESHES:

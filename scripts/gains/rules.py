@@ -1,17 +1,19 @@
-"""Rules for steps, iterations and Q, each constant fitted to what was measured: `measured` is {question: rows of the probe}."""
+"""Rules for steps, iterations and Q, with constants fitted to the measurements. `measured`: {name of the measurement:
+rows of the probe}."""
 import numpy as np
 
 from gains.questions import BUDGET, FARS, GAP, LATTICES, NEARS, PATCH, STEPS
 
 
 def springs_of(nodes, topology):
-    """Springs of the lattice: rows, columns and diagonals; the fixed row's own as well."""
+    """Number of springs of the lattice: rows, columns and diagonals, with those along the fixed edge."""
     cells = nodes - 1
     return 2 * cells * nodes + (2 * cells * cells if topology == "grid8" else 0)
 
 
 def cycle_of(springs):
-    """Perturbations of one gradient of `spsa`: the power of two that holds the springs (spsa.h)."""
+    """Perturbations for one gradient of `spsa`: the least power of two that is not below the number of springs
+    (spsa.h)."""
     return 1 << (springs - 1).bit_length()
 
 
@@ -20,7 +22,8 @@ def fit(columns, values):
 
 
 def step_points(measured, topology):
-    """(nodes a side, displacement, steps m, iterations to GAP) of every load case. Ends the program where one stopped before: how long it takes nobody knows."""
+    """(nodes a side, displacement, steps m, iterations to GAP) of every load case. Ends the program if one stopped
+    before GAP, since its number of iterations is unknown."""
     points = []
     for n in LATTICES:
         rows = measured[f"iterations-{topology}-{n}"]
@@ -47,14 +50,15 @@ def iterations_of(rule, n, d, topology):
 
 
 def left_over(rows, **where):
-    """Median over paths and repeats, for every first step."""
+    """Part of the reducible loss that is left, (L - L_lb) / (L_heuristic - L_lb): median over paths and repeats for
+    every first step. `where`: values of keys that select the rows."""
     rows = [r for r in rows if all(abs(r[k] - v) < 1e-9 for k, v in where.items())]
     return np.array([np.median([(r["rel_loss"] - r["bound"]) / (r["start"] - r["bound"])
                                 for r in rows if r["first_step"] == step]) for step in STEPS])
 
 
 def best_step(curve):
-    """The lowest point of a curve over STEPS, between them by the parabola through it and its neighbours."""
+    """The step at the minimum of a curve over STEPS, by the parabola through the lowest point and its neighbours."""
     k = int(np.argmin(curve))
     if k in (0, len(curve) - 1):
         return STEPS[k]
@@ -67,7 +71,7 @@ def at_step(curve, step):
 
 
 def gain_points(measured, topology):
-    """(nodes a side, displacement) -> curve."""
+    """(nodes a side, displacement) -> curve of left_over."""
     curves = {}
     for n in LATTICES:
         rows = measured[f"gains-{topology}-{n}"]
@@ -77,8 +81,8 @@ def gain_points(measured, topology):
 
 
 def gain_rule(curves, kind):
-    """kind "n, d": step = a (n / 10)^b (d / 10 mm)^e, fitted to the best ones; "one": the step that costs least where
-    it costs most, because too long a step costs more than too short a one."""
+    """kind "n, d": step = a (n / 10)^b (d / 10 mm)^e, fitted to the best steps. kind "one": one step with the least
+    maximum of the loss left over that of the best step, because too long a step costs more than too short a one."""
     if kind == "one":
         steps = np.geomspace(STEPS[0], STEPS[-1], 121)
         cost = [max(at_step(c, step) - c.min() for c in curves.values()) for step in steps]
@@ -88,7 +92,7 @@ def gain_rule(curves, kind):
 
 
 def budget_exponent(measured):
-    """step ~ budget^-p, from budgets of 1000, 5000 and 20,000 on two lattices."""
+    """Exponent p of step ~ budget^-p, from budgets of 1000, 5000 and 20,000 on two lattices; and the fitted points."""
     points = []
     for n in (11, 21):
         for d in (0.005, 0.015):
@@ -101,12 +105,13 @@ def budget_exponent(measured):
 
 
 def median_of(rows, key):
-    """Of a relative error that is null where an answer is missing: it counts as infinite, as everywhere (lib/eval/statistics.h)."""
+    """Median of a relative error. null (an answer is missing) counts as infinite, as in lib/eval/statistics.h."""
     return np.median([np.inf if row[key] is None else row[key] for row in rows])
 
 
 def q_ratios(measured, topology, n, near, far):
-    """Median over cases of (resolved error, rel_loss, closed-loop error), and the same under the paper's Q."""
+    """Medians over cases of (resolved force error, rel_loss, indentation error of force), with this Q and with the
+    paper's."""
     rows = measured[f"weights-{topology}-{n}"]
     def medians(near, far):
         some = [r for r in rows if r["near"] == near and r["far"] == far]
@@ -115,13 +120,14 @@ def q_ratios(measured, topology, n, near, far):
 
 
 def half_block(block, n):
-    """Nodes from the contact to the edge of a block: a number, or as many as carry the patch of 5 mm half-width."""
+    """Number of nodes from the contact to the edge of a block: `block` itself, or as many as carry the patch of 5 mm
+    half-width."""
     return -(-(n - 1) * 5 // 100) if block == PATCH else block
 
 
 def q_rule(measured, topology, lattices):
-    """(block, far) nearest to the paper's among those whose resolved error is within a point of the smallest; rel_loss
-    may rise by a tenth at most on every lattice."""
+    """The (block, far) nearest to the paper's among those whose resolved force error is within one percentage point of
+    the smallest, and whose rel_loss rises by at most a tenth on every lattice."""
     candidates = []
     for rank, block in enumerate([PATCH, *NEARS]):
         for far in FARS:
@@ -142,7 +148,8 @@ def without(points, n):
 
 
 def gain_table(measured, topology, kind):
-    """For every lattice: (best steps, predicted without it, left at best, left at predicted, left at 0.003)."""
+    """For every lattice: (best steps, those predicted without it, loss left at the best, at the predicted, and at
+    0.003)."""
     curves, table = gain_points(measured, topology), {}
     for n in LATTICES:
         rule = gain_rule({k: v for k, v in curves.items() if k[0] != n}, kind)
@@ -154,7 +161,7 @@ def gain_table(measured, topology, kind):
 
 
 def left_rule(curves):
-    """What is left at the best step: a (n / 10)^b (d / 10 mm)^e."""
+    """Fit of the loss that is left at the best step: a (n / 10)^b (d / 10 mm)^e."""
     n, d = np.array(list(curves)).T
     return fit([np.ones_like(n), np.log(n / 10), np.log(d / 0.01)], [c.min() for c in curves.values()])
 

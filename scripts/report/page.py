@@ -1,8 +1,8 @@
-"""One file to mail of a study: page.py RESULTS OUT.html
+"""A study's report as one HTML file: page.py RESULTS OUT.html
 
-Reads report.md, eval.json, the figures that report.md shows, and the provenance in model.h5 and cases.h5. The words and
-tables are report.md's; what is added is the number to lead with, key figures, captions, and tables that sort. Nothing
-outside the file is needed to look at it. The same results give the same bytes.
+Reads report.md, eval.json, the figures that report.md shows, and the provenance in model.h5 and cases.h5. Texts and
+tables are report.md's. Added are the main number, key figures, captions, and sortable tables. The file needs no other
+file. The same results give the same bytes.
 """
 import base64
 import re
@@ -20,12 +20,12 @@ try:
 except ImportError as error:
     sys.exit(f"page.py: {error}; install python3-{(error.name or '').replace('_', '-')}, which the report is made with")
 
-from results import EVALUATION, LABELS  # noqa: E402  (the figures' own names of the models)
+from results import EVALUATION, LABELS  # noqa: E402  (the figures' names of the models)
 from one_line import read_json, reading, say  # noqa: E402
 from save import written  # noqa: E402
 
-LONG_LIST = 5          # items; longer ones are folded
-PORTRAIT_COLUMNS = 14  # tables with more are printed across
+LONG_LIST = 5          # longer lists are folded
+PORTRAIT_COLUMNS = 14  # tables with more columns are printed in landscape format
 CAPTIONS = {
     "contours": "Finite elements: two of the load cases",
     "force": "Resolved force along every load path (Fig. 3 of the paper)",
@@ -43,17 +43,17 @@ CAPTIONS = {
 
 
 class ReportError(Exception):
-    """A file is missing, or report.md is not as tissuectl writes it."""
+    """A file is missing, or report.md does not have the form that tissuectl writes."""
 
 
 def percent(value):
     return "none" if value is None else f"{100 * value:.1f} %"
 
 
-# ---- what it leads with
+# ---- head of the report
 
 def lead(e):
-    """The number that matters, and the key figures beside it: [(value, what it is)]."""
+    """The main number, and the key figures: [(value, description)]."""
     closed, figures = e["closed_loop"], []
     if "held_out" in closed:
         learned = closed["held_out"]["learned"]
@@ -80,7 +80,7 @@ def lead(e):
 
 
 def n_of(statistics, what):
-    """As report.md has it (lib/eval/statistics.h)."""
+    """"n of N", as in report.md (lib/eval/statistics.h)."""
     text = f"{statistics['n']} of {statistics['of']} {what}"
     for key, words in (("missing", "without an answer"), ("no_reference", "without a reference")):
         text += f", {statistics[key]} {words}" if statistics[key] else ""
@@ -88,7 +88,7 @@ def n_of(statistics, what):
 
 
 def best_baseline(errors, e):
-    """Median indentation error of force of the best untrained springs, if any has one."""
+    """Median indentation error of force of the best untrained springs, if they have an answer."""
     medians = {m: v["median"] for m, v in errors.items() if v["median"] is not None and m.startswith(("heuristic", "uniform"))}
     best = min(medians, key=medians.get, default=None)
     return [(medians[best], f"best untrained springs ({label(best, e) or best}), indentation error of force")] if best else []
@@ -125,7 +125,7 @@ def label(model, e):
 
 
 def named(text, e):
-    """A cell's HTML: `heuristic_a` gets the words for it beneath."""
+    """A cell's HTML. The name of a model, as `heuristic_a`, gets its description below."""
     words = label(text, e)
     return Markup(f"{escape(text)}<small>{escape(words)}</small>") if words else escape(text)
 
@@ -137,8 +137,8 @@ class Column(NamedTuple):
 
 
 def columns(head, body, heading):
-    """Columns of a table. "a / b / c" in every cell of one becomes three, if they can be named: by the column's own
-    heading ("gap median / max") or by the section's ("...: median / p95 / max")."""
+    """Columns of a table. A column with "a / b / c" in every cell becomes three if they have names: from the column's
+    own heading ("gap median / max") or from the section's ("...: median / p95 / max")."""
     found = []
     for i, title in enumerate(head):
         cells = [row[i] for row in body]
@@ -167,7 +167,7 @@ def table(tokens, heading, e):
             rows[-1].append(token.content)
     found = columns(rows[0], rows[1:], heading)
     grouped = any(c.group for c in found)
-    marks = []  # classes: the row's name, and where a line parts groups
+    marks = []  # CSS classes: the row's name, and the first column of a group
     for i, c in enumerate(found):
         parted = i > 0 and c.group != found[i - 1].group
         marks.append(Markup(' class="row"') if i == 0 else Markup(' class="first"') if parted else "")
@@ -193,7 +193,8 @@ def table(tokens, heading, e):
 
 
 def to_html(markdown, text, heading, e):
-    """A section's HTML: tables by table(), long lists folded, the rest as Markdown says. No unit stands alone."""
+    """A section's HTML: tables by table(), long lists folded, the rest as Markdown. A unit stays on the line of its
+    number."""
     tokens = markdown.parse(text.replace(" %", "\u00a0%"))
     out, at = [], 0
     while at < len(tokens):
@@ -228,7 +229,7 @@ def anchor(heading):
 # ---- provenance
 
 def provenance(folder, e):
-    """[(word, value)]: how to make this again, and from what."""
+    """[(label, value)]: the commands and inputs that made the results."""
     rows = [("Made by", f"make all STUDY={e['study']}"), ("Version", f"tissuectl {e['version']}"), ("Seed", e["seed"])]
     for name, word in (("cases.h5", "Cases"), ("model.h5", "Training")):
         with stored(folder / name) as file:
@@ -254,7 +255,7 @@ def page(folder):
         else:
             body.append({"id": anchor(heading), "heading": Markup(markdown.renderInline(heading)),
                          "html": to_html(markdown, text, heading, e)})
-    first = re.sub(r"^Written by .*$", "", first, flags=re.M)  # the foot says more
+    first = re.sub(r"^Written by .*$", "", first, flags=re.M)  # the foot of the page has the provenance
     number, key_figures = lead(e)
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), autoescape=True, trim_blocks=True,
                                      lstrip_blocks=True, undefined=jinja2.StrictUndefined)

@@ -4,15 +4,15 @@
 
 #include "../haptic/haptic_example.h"
 #include "mesh/outline.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 namespace tissue {
 
-std::vector<Poke> pokes_of(const TissueModel& truth, int count, unsigned long seed) {
+std::vector<ForceMeasurement> pokes_of(const TissueModel& truth, int count, unsigned long seed) {
     const Outline outline(truth.mesh);
-    const LawPress press(truth);
+    const IndentationSolver press(truth);
     Draw draw(seed);
-    std::vector<Poke> pokes;
+    std::vector<ForceMeasurement> pokes;
     while (static_cast<int>(pokes.size()) < count) {
         const double arc = draw(0.03, outline.length() - 0.03);
         const Eigen::Vector2d push = draw(0.003, 0.008) * outline.direction(arc, draw(-0.4, 0.4));
@@ -22,16 +22,16 @@ std::vector<Poke> pokes_of(const TissueModel& truth, int count, unsigned long se
     return pokes;
 }
 
-double worst_error(const TissueModel& model, const std::vector<Poke>& pokes) {
-    const LawPress press(model);
+double worst_error(const TissueModel& model, const std::vector<ForceMeasurement>& pokes) {
+    const IndentationSolver press(model);
     double worst = 0;
-    for (const Poke& poke : pokes) worst = std::max(worst, (press.at(poke.contact_m, poke.push_m).contact_force - poke.force_N).norm() / poke.force_N.norm());
+    for (const ForceMeasurement& poke : pokes) worst = std::max(worst, (press.at(poke.contact_m, poke.push_m).contact_force - poke.force_N).norm() / poke.force_N.norm());
     return worst;
 }
 
 TissueModel stiffer(TissueModel model, double log_stiffness) {
-    model.energy_law->constants *= std::exp(log_stiffness);
-    model.energy_law->contact_log_scale = Eigen::VectorXd::Constant(model.mesh.node_count(), log_stiffness);
+    model.energy_model->constants *= std::exp(log_stiffness);
+    model.energy_model->contact_log_scale = Eigen::VectorXd::Constant(model.mesh.node_count(), log_stiffness);
     return model;
 }
 

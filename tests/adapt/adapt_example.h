@@ -6,13 +6,14 @@
 
 namespace tissue {
 
-/// Pokes of a law, without noise: straight and tilted pushes of 3 to 8 mm round the block of law_example, in an order that jumps about.
-std::vector<Poke> pokes_of(const TissueModel& truth, int count, unsigned long seed = 1);
+/// Measurements on a model without noise: normal and tilted indentations of 3 to 8 mm at random places on the block of
+/// law_example.
+std::vector<ForceMeasurement> pokes_of(const TissueModel& truth, int count, unsigned long seed = 1);
 
-/// |model - reading| / |reading|, the largest over pokes.
-double worst_error(const TissueModel& model, const std::vector<Poke>& pokes);
+/// Largest |model - measured| / |measured| force of the measurements.
+double worst_error(const TissueModel& model, const std::vector<ForceMeasurement>& pokes);
 
-/// A law stiffer by exp(log_stiffness) all over, its contacts too.
+/// The energy model with all its stiffnesses, contacts included, multiplied by exp(log_stiffness).
 TissueModel stiffer(TissueModel model, double log_stiffness);
 
 }  // namespace tissue

@@ -9,7 +9,7 @@
 #include "adapt_example.h"
 #include "error.h"
 #include "../haptic/haptic_example.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -22,7 +22,7 @@ AdaptOptions options(const std::string& unknowns = "field") {
     return o;
 }
 
-/// A law whose left half is four times as stiff.
+/// An energy model whose left part (x < 45 mm) is four times as stiff.
 TissueModel half_stiff() {
     const TissueModel law = law_example();
     const Unknowns field = make_unknowns(law, "field");
@@ -30,20 +30,20 @@ TissueModel half_stiff() {
     for (int n = 0; n < law.mesh.node_count(); ++n)
         if (law.mesh.nodes(n, 0) < 0.045) x[n] = std::log(4.0);
     TissueModel truth = law;
-    truth.energy_law = with_unknowns(*law.energy_law, field, x);
+    truth.energy_model = with_unknowns(*law.energy_model, field, x);
     return truth;
 }
 
 }  // namespace
 
-TEST_CASE("a tissue that is the same everywhere but stiffer is known after one poke", "[adapt]") {
+TEST_CASE("one measurement corrects the force at its contact and a uniform scale corrects it everywhere", "[adapt]") {
     const TissueModel law = law_example(), truth = stiffer(law, std::log(1.5));
-    const std::vector<Poke> pokes = pokes_of(truth, 12);
+    const std::vector<ForceMeasurement> pokes = pokes_of(truth, 12);
     for (const std::string kind : {"scale", "terms", "field", "elements"}) {
         Adaptation adaptation(law, options(kind));
         CHECK(worst_error(adaptation.model(), pokes) > 0.3);
-        const PokeAnswer answer = adaptation.learn(pokes[0]);
-        CHECK(answer.status == PokeStatus::learned);
+        const UpdateResult answer = adaptation.learn(pokes[0]);
+        CHECK(answer.status == UpdateStatus::learned);
         CHECK(answer.error_before == Approx(1 / 3.0).epsilon(1e-4));
         CHECK(answer.error_after < 0.03);
         CHECK(worst_error(adaptation.model(), {pokes.begin(), pokes.begin() + 1}) < 0.03);
@@ -52,34 +52,34 @@ TEST_CASE("a tissue that is the same everywhere but stiffer is known after one p
     }
 }
 
-TEST_CASE("forces of an unknown that scales everything are its exponential, contacts included", "[adapt]") {
+TEST_CASE("equal unknowns multiply all forces by their exponential including contacts", "[adapt]") {
     const TissueModel law = law_example();
-    const std::vector<Poke> pokes = pokes_of(law, 4);
+    const std::vector<ForceMeasurement> pokes = pokes_of(law, 4);
     for (const std::string kind : {"scale", "field", "elements"}) {
         const Unknowns u = make_unknowns(law, kind);
         TissueModel twice = law;
-        twice.energy_law = with_unknowns(*law.energy_law, u, Eigen::VectorXd::Constant(u.size(), std::log(2.0)));
-        for (const Poke& poke : pokes) CHECK((LawPress(twice).at(poke.contact_m, poke.push_m).contact_force - 2 * poke.force_N).norm() < 1e-8 * poke.force_N.norm());
+        twice.energy_model = with_unknowns(*law.energy_model, u, Eigen::VectorXd::Constant(u.size(), std::log(2.0)));
+        for (const ForceMeasurement& poke : pokes) CHECK((IndentationSolver(twice).at(poke.contact_m, poke.push_m).contact_force - 2 * poke.force_N).norm() < 1e-8 * poke.force_N.norm());
     }
 }
 
-TEST_CASE("the derivative of an expected force is that of differences, for every kind of unknown", "[adapt]") {
+TEST_CASE("the derivative of a predicted force agrees with differences for every kind of unknowns", "[adapt]") {
     const TissueModel law = half_stiff();
-    const std::vector<Poke> pokes = pokes_of(law, 3, 5);
+    const std::vector<ForceMeasurement> pokes = pokes_of(law, 3, 5);
     for (const std::string& kind : unknown_kinds()) {
         Adaptation adaptation(law, options(kind));
         const Eigen::Index P = adaptation.unknowns().size();
-        for (const Poke& poke : pokes) {
+        for (const ForceMeasurement& poke : pokes) {
             const Expected at = adaptation.expect(poke.contact_m, poke.push_m);
-            REQUIRE(at.status == PressStatus::held);
+            REQUIRE(at.status == SolverStatus::converged);
             Draw draw(3);
             Eigen::VectorXd way(P);
             for (double& w : way) w = draw(-1, 1);
             constexpr double h = 1e-4;
             const auto force = [&](double step) {
                 TissueModel there = law;
-                there.energy_law = with_unknowns(*law.energy_law, adaptation.unknowns(), step * way);
-                return Point(LawPress(there).at(poke.contact_m, poke.push_m).contact_force);
+                there.energy_model = with_unknowns(*law.energy_model, adaptation.unknowns(), step * way);
+                return Point(IndentationSolver(there).at(poke.contact_m, poke.push_m).contact_force);
             };
             const Point by_differences = (force(h) - force(-h)) / (2 * h);
             CHECK((at.by_x * way * at.force_N.norm() - by_differences).norm() < 1e-5 * at.force_N.norm());
@@ -87,145 +87,145 @@ TEST_CASE("the derivative of an expected force is that of differences, for every
     }
 }
 
-TEST_CASE("pokes find a half that is stiffer, and where they have been the model is surer", "[adapt]") {
+TEST_CASE("measurements find a stiffer half and each reduces the posterior variance", "[adapt]") {
     const TissueModel law = law_example(), truth = half_stiff();
-    const std::vector<Poke> pokes = pokes_of(truth, 40), held_out = pokes_of(truth, 20, 77);
+    const std::vector<ForceMeasurement> pokes = pokes_of(truth, 40), held_out = pokes_of(truth, 20, 77);
     Adaptation adaptation(law, options());
     const double before = worst_error(law, held_out);
     double variance = adaptation.state().P.trace();
-    for (const Poke& poke : pokes) {
-        CHECK(adaptation.learn(poke).status == PokeStatus::learned);
+    for (const ForceMeasurement& poke : pokes) {
+        CHECK(adaptation.learn(poke).status == UpdateStatus::learned);
         CHECK(adaptation.state().P.trace() < variance);
         variance = adaptation.state().P.trace();
     }
     CHECK(worst_error(adaptation.model(), held_out) < 0.2 * before);
     const Expected known = adaptation.expect(pokes[0].contact_m, pokes[0].push_m);
     CHECK(std::sqrt(adaptation.covariance(known, false).trace() / 2) < 0.03);
-    // P stays a covariance
+    // P stays symmetric with a positive diagonal
     CHECK(adaptation.state().P.diagonal().minCoeff() > 0);
     CHECK(adaptation.state().P == adaptation.state().P.transpose());
 }
 
-TEST_CASE("where one scale explains all readings it plays beside the field, and gives way to it at the first that it cannot have made", "[adapt]") {
+TEST_CASE("a uniform scale is used while it explains all measurements and the field afterwards", "[adapt]") {
     const TissueModel law = law_example(), same = stiffer(law, 0.5);
     AdaptOptions alone = options();
     alone.rival = false;
     Adaptation with_rival(law, options()), without(law, alone);
-    CHECK_FALSE(with_rival.rival_plays());
-    const std::vector<Poke> held_out = pokes_of(same, 20, 77);
-    for (const Poke& poke : pokes_of(same, 5)) {
+    CHECK_FALSE(with_rival.single_scale_in_use());
+    const std::vector<ForceMeasurement> held_out = pokes_of(same, 20, 77);
+    for (const ForceMeasurement& poke : pokes_of(same, 5)) {
         with_rival.learn(poke);
         without.learn(poke);
     }
-    CHECK(with_rival.rival_plays());
-    CHECK_FALSE(without.rival_plays());
-    CHECK((with_rival.state().x - without.state().x).norm() < 1e-4);  // the field learns the same beside it
+    CHECK(with_rival.single_scale_in_use());
+    CHECK_FALSE(without.single_scale_in_use());
+    CHECK((with_rival.state().x - without.state().x).norm() < 1e-4);  // the field does not depend on the scale
     CHECK(with_rival.state().scale == Approx(0.5).epsilon(0.01));
     CHECK(worst_error(with_rival.model(), held_out) < 0.01);
     CHECK(worst_error(with_rival.model(), held_out) < 0.5 * worst_error(without.model(), held_out));
     const Expected e = with_rival.expect(held_out[0].contact_m, held_out[0].push_m);
     CHECK((e.force_N - held_out[0].force_N).norm() < 0.01 * e.force_N.norm());
 
-    // the tissue of another place is stiffer still
-    Poke poke = held_out[3];
+    // another place of the tissue is stiffer still
+    ForceMeasurement poke = held_out[3];
     poke.force_N *= 1.5;
-    const PokeAnswer answer = with_rival.learn(poke);
+    const UpdateResult answer = with_rival.learn(poke);
     CHECK(answer.error_before == Approx(1 / 3.0).epsilon(0.03));
-    if (answer.status == PokeStatus::learned) CHECK_FALSE(with_rival.rival_plays());
+    if (answer.status == UpdateStatus::learned) CHECK_FALSE(with_rival.single_scale_in_use());
 
     Adaptation halves(law, options());
-    for (const Poke& p : pokes_of(half_stiff(), 12)) halves.learn(p);
-    CHECK_FALSE(halves.rival_plays());
-    for (const std::string kind : {"scale", "terms"}) CHECK_FALSE(Adaptation(law, options(kind)).has_rival());
+    for (const ForceMeasurement& p : pokes_of(half_stiff(), 12)) halves.learn(p);
+    CHECK_FALSE(halves.single_scale_in_use());
+    for (const std::string kind : {"scale", "terms"}) CHECK_FALSE(Adaptation(law, options(kind)).has_single_scale());
 }
 
-TEST_CASE("what cannot be a reading is refused, and leaves the model to the last bit as it was", "[adapt]") {
+TEST_CASE("an invalid measurement is refused and leaves the state unchanged bit for bit", "[adapt]") {
     const TissueModel law = law_example(), truth = stiffer(law, 0.3);
-    const std::vector<Poke> pokes = pokes_of(truth, 6);
+    const std::vector<ForceMeasurement> pokes = pokes_of(truth, 6);
     Adaptation adaptation(law, options());
     adaptation.learn(pokes[0]);
     const Eigen::VectorXd x = adaptation.state().x;
     const Eigen::MatrixXd P = adaptation.state().P;
-    const auto refused = [&](Poke poke, const std::string& why) {
-        const PokeAnswer answer = adaptation.learn(poke);
-        CHECK(answer.status == PokeStatus::refused);
+    const auto refused = [&](ForceMeasurement poke, const std::string& why) {
+        const UpdateResult answer = adaptation.learn(poke);
+        CHECK(answer.status == UpdateStatus::refused);
         CHECK_THAT(answer.why, Contains(why));
         CHECK(adaptation.state().x == x);
         CHECK(adaptation.state().P == P);
     };
-    refused(pokes[0], "once more");
-    Poke poke = pokes[1];
+    refused(pokes[0], "identical to the measurement before it");
+    ForceMeasurement poke = pokes[1];
     poke.force_N = pokes[0].force_N;
-    refused(poke, "to the last digit");
+    refused(poke, "exactly the force");
     poke = pokes[1];
     poke.force_N[0] = std::numeric_limits<double>::quiet_NaN();
-    refused(poke, "number that is none");
+    refused(poke, "number that is not finite");
     poke = pokes[1];
     poke.contact_m = Eigen::Vector2d(0.05, 0.05);
     refused(poke, "off the surface");
     poke = pokes[1];
     poke.push_m *= 1e-3;
-    refused(poke, "says nothing");
+    refused(poke, "are needed");
     poke.push_m = pokes[1].push_m * 1e3;  // millimetres taken for metres
     refused(poke, "half of the tissue's");
     poke.push_m = -pokes[1].push_m;
-    refused(poke, "must go into the tissue");
+    refused(poke, "must point into the tissue");
     poke = pokes[1];
     poke.force_N *= -1;
-    refused(poke, "against its push");
+    refused(poke, "against its tool displacement");
     poke.force_N.setZero();
-    refused(poke, "may be dead");
+    refused(poke, "may be disconnected");
     poke = pokes[1];
     poke.contact_m = Point::Zero(3);
     refused(poke, "2 axes");
-    CHECK(adaptation.learn(pokes[1]).status == PokeStatus::learned);
+    CHECK(adaptation.learn(pokes[1]).status == UpdateStatus::learned);
     CHECK(adaptation.state().refused == 10);
 }
 
-TEST_CASE("a reading ten times too large is not believed, and many in a row say that the tissue is another", "[adapt]") {
+TEST_CASE("a force ten times too large is gated and four in a row cause a warning", "[adapt]") {
     const TissueModel law = law_example();
-    const std::vector<Poke> pokes = pokes_of(law, 10);
+    const std::vector<ForceMeasurement> pokes = pokes_of(law, 10);
     Adaptation adaptation(law, options());
     for (int i = 0; i < 4; ++i) adaptation.learn(pokes[static_cast<std::size_t>(i)]);
     const Eigen::VectorXd x = adaptation.state().x;
     for (int i = 4; i < 8; ++i) {
-        Poke poke = pokes[static_cast<std::size_t>(i)];
+        ForceMeasurement poke = pokes[static_cast<std::size_t>(i)];
         poke.force_N *= 10;
-        const PokeAnswer answer = adaptation.learn(poke);
-        CHECK(answer.status == PokeStatus::gated);
+        const UpdateResult answer = adaptation.learn(poke);
+        CHECK(answer.status == UpdateStatus::gated);
         CHECK(answer.chi2 > answer.gate);
         CHECK(adaptation.state().x == x);
         CHECK(answer.warning.empty() == (i < 7));
     }
     CHECK(adaptation.state().gated == 4);
-    // units taken for one another: a thousand times too small
-    Poke poke = pokes[8];
+    // a wrong unit: a thousand times too small
+    ForceMeasurement poke = pokes[8];
     poke.force_N *= 1e-3;
-    CHECK(adaptation.learn(poke).status == PokeStatus::gated);
-    CHECK(adaptation.learn(pokes[9]).status == PokeStatus::learned);
+    CHECK(adaptation.learn(poke).status == UpdateStatus::gated);
+    CHECK(adaptation.learn(pokes[9]).status == UpdateStatus::learned);
     CHECK(adaptation.state().gated_in_a_row == 0);
 }
 
-TEST_CASE("a sensor that drifts is told before it is believed for long", "[adapt]") {
+TEST_CASE("a drifting force sensor causes a warning in adaptation and a steady one none", "[adapt]") {
     const TissueModel law = law_example();
-    const std::vector<Poke> pokes = pokes_of(law, 40);
+    const std::vector<ForceMeasurement> pokes = pokes_of(law, 40);
     Adaptation adaptation(law, options("scale"));
     bool warned = false;
     for (std::size_t i = 0; i < pokes.size(); ++i) {
-        Poke poke = pokes[i];
+        ForceMeasurement poke = pokes[i];
         poke.force_N *= 1 + 0.03 * static_cast<double>(i);
         warned = warned || !adaptation.learn(poke).warning.empty();
     }
     CHECK(warned);
-    // without drift there is nothing to tell
+    // no warning without drift
     Adaptation steady(law, options("scale"));
-    for (const Poke& poke : pokes) CHECK(steady.learn(poke).warning.empty());
+    for (const ForceMeasurement& poke : pokes) CHECK(steady.learn(poke).warning.empty());
 }
 
-TEST_CASE("what the model says it does not know is what it is off, over many tissues", "[adapt][long]") {
+TEST_CASE("at least 85 % of test measurements lie within their predicted 95 % ellipse", "[adapt][long]") {
     const TissueModel law = law_example();
     AdaptOptions o = options();
-    o.model_error = 0.005;  // the truths are laws of the same mesh
+    o.model_error = 0.005;  // the references are models on the same mesh
     int inside = 0, all = 0;
     for (unsigned long seed = 1; seed <= 6; ++seed) {
         // tissues drawn from the prior
@@ -235,23 +235,23 @@ TEST_CASE("what the model says it does not know is what it is off, over many tis
         Eigen::VectorXd z(u.size());
         for (double& value : z) value = std::sqrt(-2 * std::log(draw(1e-12, 1))) * std::cos(6.283185307179586 * draw(0, 1));
         TissueModel truth = law;
-        truth.energy_law = with_unknowns(*law.energy_law, u, (root.matrixL() * z).eval());
+        truth.energy_model = with_unknowns(*law.energy_model, u, (root.matrixL() * z).eval());
         Adaptation adaptation(law, o);
-        for (const Poke& poke : pokes_of(truth, 8, seed)) adaptation.learn(poke);
-        for (const Poke& poke : pokes_of(truth, 15, 100 + seed)) {
+        for (const ForceMeasurement& poke : pokes_of(truth, 8, seed)) adaptation.learn(poke);
+        for (const ForceMeasurement& poke : pokes_of(truth, 15, 100 + seed)) {
             const Expected e = adaptation.expect(poke.contact_m, poke.push_m);
             const Point off = (poke.force_N - e.force_N) / e.force_N.norm();
             const Eigen::MatrixXd S = adaptation.covariance(e);
-            inside += off.dot(S.ldlt().solve(off)) < 5.991;  // 95 % of two axes
+            inside += off.dot(S.ldlt().solve(off)) < 5.991;  // 95 % quantile of chi-squared with two degrees of freedom
             ++all;
         }
     }
     CHECK(inside >= 0.85 * all);
 }
 
-TEST_CASE("a contact that may stand elsewhere is believed less", "[adapt]") {
+TEST_CASE("a place error of the contact increases the posterior variance", "[adapt]") {
     const TissueModel law = law_example(), truth = stiffer(law, 0.4);
-    const Poke poke = pokes_of(truth, 1, 4)[0];
+    const ForceMeasurement poke = pokes_of(truth, 1, 4)[0];
     AdaptOptions o = options("scale");
     Adaptation sure(law, o);
     o.place_error_m = 0.003;
@@ -261,29 +261,29 @@ TEST_CASE("a contact that may stand elsewhere is believed less", "[adapt]") {
     CHECK(unsure.state().P(0, 0) > sure.state().P(0, 0));
 }
 
-TEST_CASE("of tissue that relaxes a reading is of what is left of it, or of what it is at once, as one says", "[adapt][memory]") {
+TEST_CASE("measurements on relaxing tissue update the long-term or the instantaneous model as selected", "[adapt][memory]") {
     const TissueModel law = relaxing(law_example()), truth = relaxing(stiffer(law_example(), 0.4));
     for (bool at_rest : {true, false}) {
         TissueModel read = truth, known = law;
-        read.energy_law = at_rest ? long_term(*truth.energy_law) : instantaneous(*truth.energy_law);
+        read.energy_model = at_rest ? long_term(*truth.energy_model) : instantaneous(*truth.energy_model);
         AdaptOptions o = options("scale");
         o.at_rest = at_rest;
         Adaptation adaptation(law, o);
-        for (const Poke& poke : pokes_of(read, 3)) CHECK(adaptation.learn(poke).status == PokeStatus::learned);
+        for (const ForceMeasurement& poke : pokes_of(read, 3)) CHECK(adaptation.learn(poke).status == UpdateStatus::learned);
         CHECK(adaptation.state().x[0] == Approx(0.4).epsilon(0.02));
-        CHECK(adaptation.model().energy_law->relaxation.branches() == 3);
+        CHECK(adaptation.model().energy_model->relaxation.branches() == 3);
     }
 }
 
-TEST_CASE("only a law learns, and unknowns have names", "[adapt]") {
-    CHECK_THROWS_WITH(Adaptation(haptic_example()), Contains("only a law learns"));
+TEST_CASE("adaptation refuses spring sets and an unknown kind of unknowns", "[adapt]") {
+    CHECK_THROWS_WITH(Adaptation(haptic_example()), Contains("only an energy model learns"));
     CHECK_THROWS_WITH(Adaptation(law_example(), options("colour")), Contains("'colour'") && Contains("field"));
 }
 
-TEST_CASE("what a push would feel is asked of this tissue's surface alone", "[adapt]") {
+TEST_CASE("a prediction off the tissue's surface or for an invalid displacement is refused", "[adapt]") {
     Adaptation adaptation(law_example());
     const Point contact = Eigen::Vector2d(0.05, 0.1), push = Eigen::Vector2d(0, -0.004);
-    CHECK(adaptation.expect(contact, push).status == PressStatus::held);
+    CHECK(adaptation.expect(contact, push).status == SolverStatus::converged);
     for (const Point& wrong : {Point(Eigen::Vector2d(std::nan(""), 0.1)), Point(Eigen::Vector2d(5, 5)), Point(Eigen::Vector2d(0.05, 0)), Point(Eigen::Vector3d(0.05, 0.1, 0))})
         CHECK_THROWS_AS(adaptation.expect(wrong, push), MismatchError);
     CHECK_THROWS_AS(adaptation.expect(contact, -push), MismatchError);

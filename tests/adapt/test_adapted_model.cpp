@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "adapt_example.h"
-#include "adapt/next_poke.h"
-#include "adapt/pokes_csv.h"
+#include "adapt/next_measurement.h"
+#include "adapt/measurements_csv.h"
 #include "error.h"
 #include "../example.h"
 #include "../haptic/haptic_example.h"
@@ -14,17 +14,17 @@
 #include "../solid_law_example.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/free_surface.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "springs/tissue_table.h"
 #include "version.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
 
-TEST_CASE("a model learns on from its file, to the last bit as if it had gone all the way at once", "[adapt]") {
+TEST_CASE("adaptation continued from a file equals uninterrupted adaptation bit for bit", "[adapt]") {
     const TemporaryFolder folder;
     const TissueModel law = law_example();
-    const std::vector<Poke> pokes = pokes_of(stiffer(law, 0.5), 12);
+    const std::vector<ForceMeasurement> pokes = pokes_of(stiffer(law, 0.5), 12);
     for (const std::string& kind : unknown_kinds()) {
         AdaptOptions options;
         options.unknowns = kind;
@@ -38,7 +38,7 @@ TEST_CASE("a model learns on from its file, to the last bit as if it had gone al
             first->learn(pokes[i]);
             whole.learn(pokes[i]);
         }
-        first->learn(pokes[5]);  // refused, and counted
+        first->learn(pokes[5]);  // refused and counted
         whole.learn(pokes[5]);
         write_adapted_model(half, *first, {"test", 0, {}});
         CHECK(adapted_options(half)->unknowns == kind);
@@ -53,34 +53,34 @@ TEST_CASE("a model learns on from its file, to the last bit as if it had gone al
         CHECK(then->law().constants == whole.law().constants);
         CHECK(then->model().heuristic_a == whole.model().heuristic_a);
         then->forget();
-        CHECK(then->law().constants == law.energy_law->constants);
+        CHECK(then->law().constants == law.energy_model->constants);
     }
 }
 
-TEST_CASE("a model that has learned plays as it has learned to, and earlier programs refuse it", "[adapt]") {
+TEST_CASE("an adapted model is read back with adapted contacts from a file of a later format version", "[adapt]") {
     const TemporaryFolder folder;
     const TissueModel law = law_example();
-    const std::vector<Poke> pokes = pokes_of(stiffer(law, 0.7), 8);
+    const std::vector<ForceMeasurement> pokes = pokes_of(stiffer(law, 0.7), 8);
     Adaptation adaptation(law);
-    for (const Poke& poke : pokes) adaptation.learn(poke);
+    for (const ForceMeasurement& poke : pokes) adaptation.learn(poke);
     const std::string file = folder.file("model.h5");
     write_adapted_model(file, adaptation, {"test", 0, {}});
     const TissueModel read = read_model(file);
-    CHECK(read.energy_law->contact_log_scale == adaptation.law().contact_log_scale);
-    CHECK(adaptation.rival_plays());
-    CHECK(read_adaptation(file, {})->rival_plays());
+    CHECK(read.energy_model->contact_log_scale == adaptation.law().contact_log_scale);
+    CHECK(adaptation.single_scale_in_use());
+    CHECK(read_adaptation(file, {})->single_scale_in_use());
     CHECK(read_adaptation(file, {})->state().scale == adaptation.state().scale);
     CHECK(read_adaptation(file, {})->state().scale_variance == adaptation.state().scale_variance);
     CHECK(read_adaptation(file, {})->state().evidence == adaptation.state().evidence);
     CHECK(worst_error(read, pokes) == worst_error(adaptation.model(), pokes));
-    CHECK(read.contact_force_N.rows() == 0);  // of the tissue that was trained on
+    CHECK(read.contact_force_N.rows() == 0);  // FE forces belong to the training tissue
     const LearnedField learned = *learned_field(file);
     CHECK(learned.pokes == 8);
     CHECK((learned.factor.array() - std::exp(adaptation.state().scale)).abs().maxCoeff() < 1e-12);
     CHECK((learned.sd.array() - std::sqrt(adaptation.state().scale_variance)).abs().maxCoeff() < 1e-12);
     CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == adapted_format_version);
     CHECK(adapted_format_version > time_format_version);
-    // the tick has the contact that evaluation has
+    // the tick has the same adapted contact
     HapticOptions options;
     options.heuristic_mesh = false;
     const HapticModel plays(read, options), was(law, options);
@@ -89,10 +89,10 @@ TEST_CASE("a model that has learned plays as it has learned to, and earlier prog
     was.meshes.front()->law->contact(25, {0.5, 0.5, 0}, {}, soft);
     const Point push = Eigen::Vector2d(0.001, -0.003);
     const NodeColumns still = NodeColumns::Zero(law.mesh.node_count(), 2);
-    CHECK(stiff.hand_N(push, still).norm() / soft.hand_N(push, still).norm() == Approx(std::exp(0.7)).epsilon(0.2));
+    CHECK(stiff.tool_force_N(push, still).norm() / soft.tool_force_N(push, still).norm() == Approx(std::exp(0.7)).epsilon(0.2));
 }
 
-TEST_CASE("every dataset of what was learned is checked", "[adapt]") {
+TEST_CASE("adaptation datasets that are missing or of the wrong size are refused", "[adapt]") {
     const TemporaryFolder folder;
     Adaptation adaptation(law_example());
     adaptation.learn(pokes_of(law_example(), 1)[0]);
@@ -108,7 +108,7 @@ TEST_CASE("every dataset of what was learned is checked", "[adapt]") {
     }
 }
 
-TEST_CASE("the next poke goes where least is known", "[adapt]") {
+TEST_CASE("the next measurement is proposed where it reduces the posterior variance most", "[adapt]") {
     const TissueModel law = law_example();
     AdaptOptions alone;
     alone.rival = false;
@@ -121,14 +121,14 @@ TEST_CASE("the next poke goes where least is known", "[adapt]") {
     }
     for (double depth : {-0.005, 0.0, std::nan(""), std::numeric_limits<double>::infinity()})
         CHECK_THROWS_AS(pushes_over(adaptation.surface(), law.mesh, depth, 0.01), MismatchError);
-    // all pokes on the left: what is worth most lies on the right
-    for (const Poke& poke : pokes_of(law, 30))
+    // all measurements on the left: the best next one lies on the right
+    for (const ForceMeasurement& poke : pokes_of(law, 30))
         if (poke.contact_m[0] < 0.05) adaptation.learn(poke);
-    const std::vector<PokeWorth> worth = rank_pokes(adaptation, pushes, pushes);
+    const std::vector<MeasurementGain> worth = rank_measurements(adaptation, pushes, pushes);
     REQUIRE(worth.size() == pushes.size());
     CHECK(pushes[worth.front().push].contact_m[0] > 0.05);
     for (std::size_t i = 1; i < worth.size(); ++i) CHECK(worth[i - 1].gain >= worth[i].gain);
-    // the gain is the variance that learning there does take away
+    // the gain is the part of the variance that a measurement there removes
     const auto variance = [&] {
         double sum = 0;
         for (const Push& push : pushes) sum += adaptation.covariance(adaptation.expect(push.contact_m, push.push_m), false).trace();
@@ -137,14 +137,14 @@ TEST_CASE("the next poke goes where least is known", "[adapt]") {
     const double before = variance();
     const Push& best = pushes[worth.front().push];
     const Expected expected = adaptation.expect(best.contact_m, best.push_m);
-    REQUIRE(adaptation.learn({best.contact_m, best.push_m, expected.force_N}).status == PokeStatus::learned);
+    REQUIRE(adaptation.learn({best.contact_m, best.push_m, expected.force_N}).status == UpdateStatus::learned);
     CHECK(1 - variance() / before == Approx(worth.front().gain).epsilon(0.02));
 }
 
-TEST_CASE("pokes come out of lines one by one, a bad one with its place", "[adapt]") {
+TEST_CASE("measurements are read line by line and an invalid line is reported with its place", "[adapt]") {
     const std::string header = "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [N]\n";
     std::istringstream in("# a robot\n" + header + "10,100,0,-5,20,-1.5\n10,100,0,-5,nan,-1.5\n\n10,100,0\n10,\xe4,0,-5,20,-1\n\"10,100,0,-5,20,-1\n20,100,0,-4,0,-1\n");
-    PokeLines lines(in, "pipe", 2);
+    MeasurementLines lines(in, "pipe", 2);
     const auto first = lines.next();
     REQUIRE(first);
     CHECK(first->fault.empty());
@@ -158,22 +158,22 @@ TEST_CASE("pokes come out of lines one by one, a bad one with its place", "[adap
     CHECK(lines.next()->fault.empty());
     CHECK_FALSE(lines.next());
     std::istringstream wrong("contact_x [inch]\n1\n");
-    PokeLines none(wrong, "pipe", 2);
+    MeasurementLines none(wrong, "pipe", 2);
     CHECK_THROWS_WITH(none.next(), Contains("pipe:1") && Contains("'inch'"));
     const TemporaryFolder folder;
-    CHECK_THROWS_WITH(read_pokes(folder.file("a.csv", header + "1,2\n"), 2), Contains("a.csv:2"));
-    CHECK_THROWS_WITH(read_pokes(folder.file("b.csv", header), 2), Contains("has no rows"));
-    CHECK_THROWS_WITH(read_pokes(folder.file("c.csv", header + "1,2,3,4,5,6\n"), 3), Contains("'contact_z' is missing"));
+    CHECK_THROWS_WITH(read_measurements(folder.file("a.csv", header + "1,2\n"), 2), Contains("a.csv:2"));
+    CHECK_THROWS_WITH(read_measurements(folder.file("b.csv", header), 2), Contains("has no rows"));
+    CHECK_THROWS_WITH(read_measurements(folder.file("c.csv", header + "1,2,3,4,5,6\n"), 3), Contains("'contact_z' is missing"));
 }
 
-TEST_CASE("what is learned of a solid in an embedded lattice is told at its own nodes too", "[adapt][embedded]") {
+TEST_CASE("the adapted field of an embedded lattice is also given at the nodes of the solid", "[adapt][embedded]") {
     TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
     AdaptOptions options;
     options.unknowns = "field";
     options.rival = false;
     Adaptation adaptation(model, options);
     const Point top = FreeSurface(model.mesh).nearest(Eigen::Vector3d(0.01, 0, 0.05)).point_m, push = Eigen::Vector3d(0, 0, -0.004);
-    const Equilibrium rest = LawPress(model).at(top, push);
+    const Equilibrium rest = IndentationSolver(model).at(top, push);
     REQUIRE(rest);
     adaptation.learn({top, push, 1.3 * rest.contact_force});
     const LearnedField learned = *learned_field(adaptation);

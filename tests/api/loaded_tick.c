@@ -1,5 +1,7 @@
-/* loaded_tick LIBRARY MODEL: opens the library with dlopen, as an engine's plugin does, and ticks in a thread of its own, good positions and one that is refused. Prints
- * how often that thread allocated. Exit status 0 where no tick did, where statuses and force are as they should be, and where the count sees what the thread's error text takes. */
+/* loaded_tick LIBRARY MODEL: opens the library with dlopen, as a plugin of an engine does, and ticks in a separate
+ * thread, with valid positions and one that is refused. Prints the number of allocations in that thread. Exit status 0 if
+ * no tick allocated, if statuses and force are correct, and if the allocations for the thread's error text were
+ * counted. */
 #include <dlfcn.h>
 #include <math.h>
 #include <pthread.h>
@@ -11,7 +13,8 @@ void* __libc_malloc(size_t size);
 void* __libc_calloc(size_t count, size_t size);
 void* __libc_realloc(void* memory, size_t size);
 
-/* of the program itself, whose storage is there before the thread is: the loader calls malloc for what a library keeps a thread */
+/* A variable of the program, whose storage exists before the thread. For thread-local variables of a library the loader
+ * would call malloc. */
 static __thread long allocations = 0;
 void* malloc(size_t size) { return ++allocations, __libc_malloc(size); }
 void* calloc(size_t count, size_t size) { return ++allocations, __libc_calloc(count, size); }
@@ -42,7 +45,7 @@ static void* play(void* given) {
         w->largest_N = fmax(w->largest_N, hypot(force[0], force[1]));
     }
     w->in_ticks = allocations - before;
-    /* what a thread's error text needs is allocated as it is first asked for: this count sees it */
+    /* the error text of a thread is allocated at its first call, and this allocation is counted */
     before = allocations;
     w->library.error();
     w->in_error = allocations - before;

@@ -1,4 +1,5 @@
-// The door for C: the same ticks as the library's own, errors as codes with a line of text, nothing thrown or allocated in the tick.
+// The C interface: the same ticks as in the library, errors as codes with a line of text, no exceptions, no allocation
+// in the tick.
 #include "api/tissue.h"
 
 #include <catch2/catch.hpp>
@@ -49,7 +50,7 @@ std::string model_file(const TemporaryFolder& folder, const TissueModel& model) 
     return file;
 }
 
-/// A press that comes, goes along and leaves.
+/// Path of the device: indentation, motion along the surface, and withdrawal.
 Eigen::Vector3d way(int k, bool solid) {
     const double t = 1e-3 * k, deep = 0.006 * std::sin(3.14 * t);
     return solid ? Eigen::Vector3d(0.03 + 0.002 * std::sin(9 * t), 0.03, 0.051 - deep) : Eigen::Vector3d(0.05 + 0.004 * std::sin(9 * t), 0.101 - deep, 0.3);
@@ -57,7 +58,7 @@ Eigen::Vector3d way(int k, bool solid) {
 
 }  // namespace
 
-TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what it holds", "[api]") {
+TEST_CASE("a session in C has the forces of the library bit for bit and the same state", "[api]") {
     for (const int which : {0, 1, 2}) {
         const TemporaryFolder folder;
         const TissueModel model = which == 0 ? haptic_example() : which == 1 ? relaxing(law_example()) : solid_example();
@@ -74,7 +75,7 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
         REQUIRE(tissue_node_count(session.s) == model.mesh.node_count());
         REQUIRE(tissue_facet_count(session.s) == model.mesh.facets.rows());
         CHECK(tissue_study(session.s) == model.study);
-        CHECK(tissue_tool_radius(session.s) == (model.energy_law ? model.energy_law->disc_radius_m : 0));
+        CHECK(tissue_tool_radius(session.s) == (model.energy_model ? model.energy_model->disc_radius_m : 0));
         CHECK(tissue_tool_shape(session.s) == std::string(solid ? "disc" : ""));
         const int N = model.mesh.node_count(), D = model.mesh.dimension();
         int different = 0;
@@ -101,7 +102,7 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
             const TickStatus came_to = simulation.record().status;
             CHECK(status == (k == 300 ? TISSUE_FAULT : came_to == TickStatus::not_armed ? TISSUE_NOT_ARMED : TISSUE_OK));
             CHECK((k >= 300 || came_to == TickStatus::done));
-            if (k == 200 || k == 999) {  // pressed, and out again
+            if (k == 200 || k == 999) {  // in contact, and after withdrawal
                 NodeField shown(N, D);
                 {
                     const Allocations none;
@@ -147,7 +148,7 @@ TEST_CASE("a session in C ticks as the library does, bit for bit, and reads what
     }
 }
 
-TEST_CASE("surfaces move with the tissue by name, the organ's own and what is inside it too", "[api][solid]") {
+TEST_CASE("surfaces of boundary and nodule and an added organ move with the tissue", "[api][solid]") {
     const TemporaryFolder folder;
     TissueModel model = solid_example();
     const Eigen::RowVector3d low = model.mesh.nodes.colwise().minCoeff(), high = model.mesh.nodes.colwise().maxCoeff(), middle = (low + high) / 2;
@@ -159,7 +160,7 @@ TEST_CASE("surfaces move with the tissue by name, the organ's own and what is in
     CHECK(tissue_surface_points(session.s, "nodule") == model.nodule.points.rows());
     CHECK(tissue_surface_points(session.s, "organ") == 0);
 
-    // the boundary's own triangles, a hundredth larger and in millimetres
+    // the triangles of the boundary, scaled by 1.01 and in millimetres
     Cells triangles(W, 3);
     NodeField rest(V, 3);
     CHECK(tissue_surface(session.s, "boundary", triangles.data(), rest.data()) == TISSUE_OK);
@@ -172,7 +173,7 @@ TEST_CASE("surfaces move with the tissue by name, the organ's own and what is in
     for (const auto& t : triangles.rowwise()) obj += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
     const std::string file = folder.file("organ.obj", obj);
     CHECK(tissue_add_surface(session.s, "organ", file.c_str(), 1) == TISSUE_MISMATCH);
-    CHECK_THAT(tissue_error(), Catch::Contains("organ.obj: lies up to"));
+    CHECK_THAT(tissue_error(), Catch::Contains("organ.obj: is up to"));
     CHECK(tissue_add_surface(session.s, "organ", file.c_str(), 1e-3) == TISSUE_OK);
     CHECK(tissue_add_surface(session.s, "organ", file.c_str(), 1e-3) == TISSUE_MISMATCH);
     CHECK(tissue_add_surface(session.s, "boundary", file.c_str(), 1e-3) == TISSUE_MISMATCH);
@@ -185,7 +186,8 @@ TEST_CASE("surfaces move with the tissue by name, the organ's own and what is in
     NodeField organ_rest(V, 3);
     CHECK(tissue_surface(session.s, "organ", nullptr, organ_rest.data()) == TISSUE_OK);
     const NodeField larger = (1.01 * (rest.rowwise() - middle)).rowwise() + middle;
-    std::vector<Eigen::Index> of(static_cast<std::size_t>(V));  // point of the boundary that an organ's point was made of
+    // boundary point from which a point of the organ was made
+    std::vector<Eigen::Index> of(static_cast<std::size_t>(V));
     for (Eigen::Index v = 0; v < V; ++v) CHECK((larger.rowwise() - organ_rest.row(v)).rowwise().norm().minCoeff(&of[static_cast<std::size_t>(v)]) < 1e-7);
 
     for (int k = 0; k < 400; ++k) {
@@ -209,7 +211,7 @@ TEST_CASE("surfaces move with the tissue by name, the organ's own and what is in
         farthest = std::max(farthest, (boundary.row(v) - rest.row(v)).norm());
     }
     CHECK(farthest > 2e-3);
-    double off = 0, most = 0;  // a point of the organ goes with the nearest of the boundary
+    double off = 0, most = 0;  // a point of the organ moves with the nearest boundary point
     for (Eigen::Index v = 0; v < V; ++v) {
         const Eigen::Index same = of[static_cast<std::size_t>(v)];
         off = std::max(off, ((organ - organ_rest).row(v) - (boundary - rest).row(same)).norm());
@@ -218,7 +220,7 @@ TEST_CASE("surfaces move with the tissue by name, the organ's own and what is in
     CHECK(most > 0.8 * farthest);
     CHECK(off < 0.2 * farthest);
     const Eigen::RowVector3d moved = (nodule - model.nodule.points).colwise().mean();
-    CHECK(moved.z() < -1e-5);  // pressed from above
+    CHECK(moved.z() < -1e-5);  // indented from above
     CHECK(moved.norm() < farthest);
 
     tissue_session* copy = nullptr;
@@ -234,7 +236,7 @@ TEST_CASE("surfaces move with the tissue by name, the organ's own and what is in
     CHECK(tissue_add_surface(plane.s, "organ", file.c_str(), 1e-3) == TISSUE_MISMATCH);
 }
 
-TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
+TEST_CASE("invalid arguments of the C interface give an error code and one line of text", "[api]") {
     const TemporaryFolder folder;
     const std::string file = model_file(folder, law_example());
     tissue_session* s = nullptr;
@@ -259,19 +261,19 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     CHECK(opened({"axes", "x,w"}) == TISSUE_BAD_ARGUMENT);
     CHECK(opened({"offset", "1"}) == TISSUE_BAD_ARGUMENT);
     CHECK(opened({"sets", "optimum"}) == TISSUE_MISMATCH);
-    // what would do nothing
+    // options without effect
     CHECK(opened({"energy-book", "yes"}) == TISSUE_MISMATCH);
     for (const char* option : {"innovation", "coupling"}) {
         CHECK(opened({option, "0.5"}) == TISSUE_MISMATCH);
         CHECK(std::string(tissue_error()).find(option) == 0);
     }
-    CHECK(opened({"coupling", "5", "heuristic", "yes"}) == TISSUE_OK);  // of the springs beside it
+    CHECK(opened({"coupling", "5", "heuristic", "yes"}) == TISSUE_OK);  // coupling of the heuristic mesh
     CHECK(opened({"friction-slip", "0.2"}) == TISSUE_MISMATCH);
     CHECK(opened({"dynamics", "euler"}) == TISSUE_BAD_ARGUMENT);
     CHECK(opened({"dynamics", "a\nb\x1b[31m"}) == TISSUE_BAD_ARGUMENT);
     CHECK(std::string(tissue_error()).find("'a?b?[31m'") != std::string::npos);
     CHECK(opened({"axes", "x,-z", "offset", "0 0.1", "heuristic", "yes", "passivity", "no", "dt", "0.0005"}) == TISSUE_OK);
-    // every number, at its worst: refused, or a session whose force is finite
+    // every option at extreme values: refused, or the force of the session is finite
     const std::string small = folder.file("small.h5");
     write_model(small, law_example(make_lattice("grid8", 4, 4, 0.1, 0.1)), {"tissuectl test", 0, {}});
     for (const SessionOption& option : session_options())
@@ -301,7 +303,7 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     CHECK(std::string(tissue_stiffness(nullptr)).empty());
     tissue_close(nullptr);
     Session session(file);
-    // before the first tick, too
+    // also before the first tick
     CHECK(tissue_stiffness(session.s) == std::string("law"));
     const TissueModel sets = haptic_example();
     const std::string sets_file = folder.file("sets.h5");
@@ -309,7 +311,7 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     CHECK(tissue_stiffness(Session(sets_file).s) == sets.case_names.front());
     CHECK(tissue_read_limits(nullptr, nullptr, 0) == TISSUE_BAD_ARGUMENT);
     CHECK(tissue_read_limits(session.s, nullptr, 8) == TISSUE_BAD_ARGUMENT);
-    // a refused argument is no force, not the old one
+    // a refused call sets the force to zero
     for (tissue_session* given : {session.s, static_cast<tissue_session*>(nullptr)}) {
         double force[3] = {1, 2, 3};
         CHECK(tissue_tick(given, given ? nullptr : three, 0, force) == TISSUE_BAD_ARGUMENT);
@@ -320,15 +322,15 @@ TEST_CASE("what is wrong is a code and one line, whatever is given", "[api]") {
     const double outside[3] = {0.05, 0.2, 0};
     for (double wrong : {std::nan(""), -1.0, std::numeric_limits<double>::infinity()}) {
         const tissue_status status = tissue_tick(session.s, outside, wrong, three);
-        CHECK((status == TISSUE_OK || status == TISSUE_OVERRUN));  // of a machine that stopped in between
+        CHECK((status == TISSUE_OK || status == TISSUE_OVERRUN));  // an overrun if the machine paused in between
     }
-    // a failure is the thread's own
+    // the error text belongs to the thread
     std::string there = "unset";
     std::thread([&] { there = tissue_error(); }).join();
     CHECK(there.empty());
 }
 
-TEST_CASE("a tick leaves the caller's floating-point mode as it was, and does not depend on it", "[api]") {
+TEST_CASE("a tick preserves the caller's floating-point mode and does not depend on it", "[api]") {
     const TemporaryFolder folder;
     const std::string file = model_file(folder, law_example());
     Session usual(file), other(file);
@@ -349,11 +351,11 @@ TEST_CASE("a tick leaves the caller's floating-point mode as it was, and does no
     }
 }
 
-TEST_CASE("one model serves many sessions, which can be saved, copied, changed and switched", "[api]") {
+TEST_CASE("sessions of one model can be saved and restored and copied and changed and taken over", "[api]") {
     const TemporaryFolder folder;
     const TissueModel soft = relaxing(law_example());
     TissueModel stiff = law_example();
-    stiff.energy_law->constants *= 1.5;
+    stiff.energy_model->constants *= 1.5;
     const std::string file = model_file(folder, soft), other_file = folder.file("stiff.h5");
     write_model(other_file, stiff, {"test", 1, {}});
     tissue_model *model = nullptr, *other = nullptr;
@@ -394,12 +396,12 @@ TEST_CASE("one model serves many sessions, which can be saved, copied, changed a
     double energy = 0;
     CHECK(tissue_energy(a, "potential", &energy) == TISSUE_BAD_ARGUMENT);
 
-    // while it runs
+    // changes during a session
     CHECK(tissue_set(a, "friction", "0.1") == TISSUE_OK);
     CHECK(tissue_set(a, "friction", "-0.1") == TISSUE_MISMATCH);
     CHECK(tissue_set(a, "friction", "a lot") == TISSUE_BAD_ARGUMENT);
     CHECK(tissue_set(a, "dt", "0.002") == TISSUE_BAD_ARGUMENT);
-    CHECK(std::string(tissue_error()).find("'dt' stays") != std::string::npos);
+    CHECK(std::string(tissue_error()).find("'dt' cannot change") != std::string::npos);
     CHECK(tissue_set(a, "rotation", "0 0 0.001") == TISSUE_OK);
     CHECK(tissue_set(a, "device-mass", "0.001") == TISSUE_MISMATCH);
     CHECK(tissue_clutch(a, 1) == TISSUE_OK);
@@ -409,7 +411,7 @@ TEST_CASE("one model serves many sessions, which can be saved, copied, changed a
     CHECK((force[0] == 0 && force[1] == 0 && force[2] == 0));
     for (const double old : {0.06, std::nan(""), std::numeric_limits<double>::infinity()}) CHECK(tissue_tick_aged(a, at, old, 0, force) == TISSUE_FAULT);
 
-    // another model, with the tool in the tissue; then the first one's handle goes
+    // another model takes over with the tool in contact; then the handle of the first model is closed
     ticks(b, 600, 601);
     long long before = 0, after = 0;
     CHECK(tissue_count(b, "ticks", &before) == TISSUE_OK);
@@ -439,7 +441,7 @@ TEST_CASE("one model serves many sessions, which can be saved, copied, changed a
     for (tissue_session** s : {&a, &b, &copy}) {
         tissue_close(s);
         CHECK(*s == nullptr);
-        tissue_close(s);  // twice is harmless
+        tissue_close(s);  // closing twice has no effect
     }
     tissue_close(nullptr);
     tissue_close_model(nullptr);
@@ -453,7 +455,7 @@ TEST_CASE("one model serves many sessions, which can be saved, copied, changed a
     CHECK(tissue_take_over(nullptr, nullptr) == TISSUE_BAD_ARGUMENT);
 }
 
-TEST_CASE("a host in C whose ticks cost more than their time keeps them short and loses the tissue's time; one that plays another time loses none", "[api][long]") {
+TEST_CASE("slow ticks of a C host stay short and lose tissue time; a replay loses none", "[api][long]") {
     const TemporaryFolder folder;
     const std::string file = model_file(folder, law_example(make_lattice("grid8", 16, 16, 0.1, 0.1)));
     using Clock = std::chrono::steady_clock;
@@ -462,7 +464,8 @@ TEST_CASE("a host in C whose ticks cost more than their time keeps them short an
         double median_s;
         long long lost_ms;
     };
-    const auto play = [&](double dt_s, double elapsed_s, bool by_the_clock) {  // elapsed_s: of the first tick, or of every one
+    // elapsed_s: of the first tick, or of every one
+    const auto play = [&](double dt_s, double elapsed_s, bool by_the_clock) {
         const std::string dt = fmt::format("{}", dt_s);
         const Session session(file, {"dt", dt.c_str()});
         std::vector<double> took;
@@ -480,19 +483,20 @@ TEST_CASE("a host in C whose ticks cost more than their time keeps them short an
         return run;
     };
     Run usual{}, late{}, replay{};
-    for (int tries = 0; tries < 3; ++tries) {  // a machine that is busy with others may stop a run for longer than that takes
+    for (int tries = 0; tries < 3; ++tries) {  // a busy machine may interrupt a run for longer than that
         usual = play(1e-6, 0, false);
-        const double dt_s = std::max(1e-6, usual.median_s / 10);  // a tenth of what it costs: what is owed grows tenfold a tick until the clock counts, not without a bound
+        // a tenth of the cost of a tick: the time owed grows tenfold a tick until the clock limits it
+        const double dt_s = std::max(1e-6, usual.median_s / 10);
         late = play(dt_s, dt_s, true), replay = play(dt_s, 2 * dt_s, false);
         if (late.median_s < 2 * usual.median_s && late.lost_ms > 50) break;
     }
-    INFO(1e6 * usual.median_s << " us a tick of one step, " << 1e6 * late.median_s << " us late, of which " << late.lost_ms << " ms are lost, " << 1e6 * replay.median_s << " us of another time");
+    INFO(1e6 * usual.median_s << " us a tick of one step; late: " << 1e6 * late.median_s << " us a tick, " << late.lost_ms << " ms lost; replay: " << 1e6 * replay.median_s << " us a tick");
     CHECK(late.median_s < 2 * usual.median_s);
     CHECK(late.lost_ms > 50);
     CHECK(replay.lost_ms == 0);
 }
 
-TEST_CASE("hosts at any rate from 50 Hz to 8 kHz get the same force at rest, whether they say what has elapsed or leave it to the library's clock; from 10 Hz where the device holds it", "[api]") {
+TEST_CASE("hosts from 40 Hz or with a holding device from 10 Hz get the same force at rest", "[api]") {
     for (const TissueModel& tissue : {haptic_example(), law_example()}) {
         HapticOptions holds = interface_options();
         holds.safety.hold_s = std::numeric_limits<double>::infinity();
@@ -519,16 +523,17 @@ TEST_CASE("hosts at any rate from 50 Hz to 8 kHz get the same force at rest, whe
         };
         const double wanted_N = force_at(1000, true);
         CHECK(wanted_N > 1e-4);
-        for (const bool says : {true, false}) CHECK(force_at(50, says, 0.12) == Approx(wanted_N).epsilon(0.01));  // periods of 15 to 22 ms
+        // periods of 15 to 22 ms
+        for (const bool says : {true, false}) CHECK(force_at(50, says, 0.12) == Approx(wanted_N).epsilon(0.01));
         for (const double rate_Hz : {10., 14.3, 20., 30., 39., 40., 50., 60., 100., 199., 500., 1000., 8000.})
             for (const bool says : {true, false}) {
-                INFO(rate_Hz << " Hz, says " << says);
+                INFO(rate_Hz << " Hz, host gives elapsed time: " << says);
                 CHECK(force_at(rate_Hz, says) == Approx(wanted_N).epsilon(0.01));
             }
     }
 }
 
-TEST_CASE("where a host does not know what has elapsed the clock tells, from the second tick on, and copies have it", "[api]") {
+TEST_CASE("without elapsed time from the host the clock gives it from the second tick on", "[api]") {
     for (const double unknown : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
         TickClock clock;
         CHECK(clock.start_at(unknown, 100).elapsed_s == 0);
@@ -536,7 +541,7 @@ TEST_CASE("where a host does not know what has elapsed the clock tells, from the
         CHECK(clock.start_at(0.001, 100.03).elapsed_s == 0.001);
         TickClock copy = clock;
         CHECK(copy.start_at(unknown, 100.05).elapsed_s == Approx(0.02));
-        CHECK(clock.start_at(unknown, 100.03).elapsed_s > 0);  // 0 would be dt
+        CHECK(clock.start_at(unknown, 100.03).elapsed_s > 0);  // 0 would mean dt
     }
 
     const TemporaryFolder folder;
@@ -552,11 +557,11 @@ TEST_CASE("where a host does not know what has elapsed the clock tells, from the
     CHECK(tissue_tick(copy, outside, -1, force) == TISSUE_OVERRUN);
     tissue_close(&copy);
     CHECK(tissue_restore(session.s, state.data(), state.size()) == TISSUE_OK);
-    CHECK(tissue_tick(session.s, outside, -1, force) == TISSUE_OK);  // what is restored has no clock yet
+    CHECK(tissue_tick(session.s, outside, -1, force) == TISSUE_OK);  // a restored state has no clock yet
 }
 
-TEST_CASE("what ticks cost counts where a host's time is the clock's, and not where it is by chance", "[api]") {
-    // the clock at each tick, and what the host says; how many ticks of so many counted
+TEST_CASE("the cost of ticks counts if the host's time follows the clock but not if both agree by chance", "[api]") {
+    // Number of ticks whose cost counted. passed_s: clock time between ticks; says_s: elapsed time given by the host.
     const auto counted = [](int ticks, const auto& passed_s, const auto& says_s) {
         TickClock clock;
         Draw draw(2008);
@@ -574,18 +579,19 @@ TEST_CASE("what ticks cost counts where a host's time is the clock's, and not wh
     const auto says_1_ms = [](int, double) { return 1e-3; };
     CHECK(counted(100, steady, [](int, double) { return std::nan(""); }) == 99);  // by the library's own clock
     CHECK(counted(100, steady, says_1_ms) == 50);
-    CHECK(counted(1000, strays, [](int k, double passed) { return passed + (k % 2 ? 2e-5 : -2e-5); }) >= 950);  // it looks at the clock some time before the tick
-    // a replay that says 1 ms, and whose ticks take nearly that
+    // the host reads the clock some time before the tick
+    CHECK(counted(1000, strays, [](int k, double passed) { return passed + (k % 2 ? 2e-5 : -2e-5); }) >= 950);
+    // a replay with 1 ms, whose ticks take nearly 1 ms
     CHECK(counted(10000, strays, says_1_ms) < 100);
     for (const double off : {-0.04, -0.01, -0.002, 0.002, 0.01, 0.04}) CHECK(counted(10000, [&](int, Draw&) { return 1e-3 * (1 + off); }, says_1_ms) == 0);
-    // ticks that become longer and longer count soon
+    // ticks of growing length count soon
     CHECK(counted(10, [](int k, Draw&) { return 1e-3 * std::pow(1.5, k); }, [](int, double passed) { return passed; }) == 5);
-    // a host that was interrupted between its look at the clock and the tick
+    // a host interrupted between reading the clock and the tick
     CHECK(counted(1000, [](int k, Draw&) { return k == 500 ? 11e-3 : k == 501 ? 1e-5 : 1e-3; }, says_1_ms) == 950);
     CHECK(counted(1000, [](int k, Draw&) { return k < 500 ? 1e-3 : 3e-3; }, says_1_ms) < 460);
 }
 
-TEST_CASE("a struct of a newer caller is filled as far as the library knows it, and a size that fits none is refused", "[api]") {
+TEST_CASE("a larger struct of a newer caller is filled with zeros at its end and a smaller one is refused", "[api]") {
     const TissueModel tissue = law_example();
     const TemporaryFolder folder;
     Session session(model_file(folder, tissue), {"force-max", "0.05"});
@@ -603,10 +609,10 @@ TEST_CASE("a struct of a newer caller is filled as far as the library knows it, 
     }
     CHECK(contact.slipping == 0x55555555);
     CHECK(tissue_read_contact(session.s, &contact, sizeof contact) == TISSUE_OK);
-    CHECK((contact.mesh == 0 && contact.reserved == 0));
+    CHECK((contact.mesh == 0 && contact.grasped == 0));
 }
 
-TEST_CASE("a kinetic friction that was set while a session runs can be taken back", "[api]") {
+TEST_CASE("kinetic friction set during a session can be reset to its default", "[api]") {
     const TemporaryFolder folder;
     Session session(model_file(folder, law_example()));
     const auto set = [&](const char* name, const char* value) { return tissue_set(session.s, name, value); };
@@ -620,7 +626,7 @@ TEST_CASE("a kinetic friction that was set while a session runs can be taken bac
     CHECK(set("friction-slip", "0.2") == TISSUE_MISMATCH);
 }
 
-TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]") {
+TEST_CASE("a late tick has status late and the session counts limited forces", "[api]") {
     const TemporaryFolder folder;
     Session session(model_file(folder, law_example()), {"force-max", "0.05", "slew", "20"});
     double force[3];
@@ -629,7 +635,7 @@ TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]")
     CHECK(tissue_read_limits(session.s, &limits, sizeof limits) == TISSUE_OK);
     CHECK((limits.clamped > 0 && limits.slewed > 0 && limits.late == 0 && limits.lost_s == 0));
     CHECK(tissue_tick(session.s, way(700, false).data(), 2, force) == TISSUE_LATE);
-    CHECK(std::string(tissue_status_text(TISSUE_LATE)).find("the tick came so late") == 0);
+    CHECK(std::string(tissue_status_text(TISSUE_LATE)).find("the tick was so late") == 0);
     CHECK(std::hypot(force[0], force[1]) > 0);
     CHECK(tissue_tick(session.s, way(701, false).data(), 0, force) == TISSUE_OK);
     CHECK(tissue_read_limits(session.s, &limits, sizeof limits) == TISSUE_OK);
@@ -641,8 +647,8 @@ TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]")
     CHECK(tissue_count(session.s, "lost_ms", &count) == TISSUE_OK);
     CHECK(count == Approx(1e3 * limits.lost_s).margin(1));
     const double nowhere[3] = {std::nan(""), 0, 0};
-    CHECK(tissue_tick(session.s, nowhere, 2, force) == TISSUE_FAULT);  // no force is the graver
-    // of a device that keeps its force time alone is lost
+    CHECK(tissue_tick(session.s, nowhere, 2, force) == TISSUE_FAULT);  // a fault takes precedence over a late tick
+    // with a device that keeps its force only time is lost
     Session keeps(model_file(folder, law_example()), {"hold", "inf"});
     for (int k = 0; k < 700; ++k) CHECK(tissue_tick(keeps.s, way(k, false).data(), 0, force) == TISSUE_OK);
     CHECK(tissue_tick(keeps.s, way(700, false).data(), 2, force) == TISSUE_OVERRUN);
@@ -650,7 +656,7 @@ TEST_CASE("a tick that comes too late says so, and limits are counted", "[api]")
     CHECK(std::hypot(force[0], force[1]) > 0);
 }
 
-TEST_CASE("force that the bound on energy takes away is counted and comes back", "[api]") {
+TEST_CASE("force limited by the bound on energy is counted and recovers", "[api]") {
     const TemporaryFolder folder;
     Session session(model_file(folder, law_example()));
     const auto press = [&](int ticks, double elapsed_s) {
@@ -672,7 +678,7 @@ TEST_CASE("force that the bound on energy takes away is counted and comes back",
     const double whole_N = press(8000, 0);
     REQUIRE(whole_N > 0.3);
     CHECK(capped() == 0);
-    press(40, 0.04);  // too late for hold: what a hand might have got is booked each time
+    press(40, 0.04);  // too late for hold: the most energy that the hand may have got is counted each time
     const long long late = capped();
     CHECK(late > 0);
     CHECK(press(20, 0) < 0.9 * whole_N);
@@ -683,7 +689,7 @@ TEST_CASE("force that the bound on energy takes away is counted and comes back",
     CHECK(capped() == recovered);
 }
 
-TEST_CASE("a tool is asked for as a session is opened, and not while it runs", "[api][solid]") {
+TEST_CASE("the tool is selected when a session is opened and cannot be changed later", "[api][solid]") {
     const TemporaryFolder folder;
     const std::string file = model_file(folder, several_discs());
     Session session(file, {"tool", "ball:0.005"});
@@ -700,7 +706,7 @@ TEST_CASE("a tool is asked for as a session is opened, and not while it runs", "
     CHECK(none == nullptr);
 }
 
-TEST_CASE("two tools tick at once in C as in the library, and calls are about one of them", "[api][solid][two]") {
+TEST_CASE("two tools in C have the forces of the library and calls refer to the selected tool", "[api][solid][two]") {
     const TemporaryFolder folder;
     const TissueModel tissue = several_discs();
     const std::string file = model_file(folder, tissue);
@@ -752,8 +758,8 @@ TEST_CASE("two tools tick at once in C as in the library, and calls are about on
     CHECK(simulation.safety(0).counters().force_max_N > 0.06);
     CHECK(simulation.safety(1).counters().force_max_N == Approx(0.04).epsilon(1e-6));
     CHECK(tissue_set(session.s, "force-max", "0.2") == TISSUE_BAD_ARGUMENT);
-    CHECK(std::string(tissue_error()).find("'force-max' may change until the first tick") != std::string::npos);
-    // a fault of the second: the first goes on
+    CHECK(std::string(tissue_error()).find("'force-max' may change only until the first tick") != std::string::npos);
+    // a fault of the second tool does not stop the first
     const double first_N = force_N[2];
     position_m[3] = std::nan("");
     CHECK(tissue_tick_tools(session.s, 2, position_m, nullptr, 1e-3, force_N, status) == TISSUE_FAULT);
@@ -764,7 +770,7 @@ TEST_CASE("two tools tick at once in C as in the library, and calls are about on
     const double stale_s[2] = {0, 1};
     position_m[3] = from.x();
     CHECK(tissue_tick_tools(session.s, 2, position_m, stale_s, 1e-3, force_N, nullptr) == TISSUE_FAULT);
-    // one array for both
+    // one array for positions and forces
     Session same(file, {"tools", "2"}), apart(file, {"tools", "2"});
     for (int k = 0; k < 200; ++k) {
         double both[6] = {from.x(), from.y(), from.z() - 2e-5 * k, from.x() + along.x(), from.y(), from.z() - 1e-5 * k}, out[6];
@@ -773,7 +779,7 @@ TEST_CASE("two tools tick at once in C as in the library, and calls are about on
         REQUIRE(std::equal(both, both + 6, out));
         if (k == 199) CHECK(out[2] > 0);
     }
-    // a copy acts on the same tool; wrong numbers of tools: refused, and forces are zero
+    // A copy has the same selected tool. A wrong number of tools is refused with zero forces.
     tissue_session* copy = nullptr;
     REQUIRE(tissue_copy(session.s, &copy) == TISSUE_OK);
     long long stale = 0;

@@ -1,9 +1,10 @@
-// Speed of the realtime core, as JSON entries of results/bench.json on standard output.
+// Times of the realtime core, as JSON entries of results/bench.json on standard output.
 //
-//   bench_haptic [results/STUDY]     full ticks of an 11 x 11 grid8 lattice with made-up sets, and of that study's model
+//   bench_haptic [results/STUDY]     full ticks of made-up models, and of that study's model
 //
-// The peer is a plain explicit step in double precision, a loop over a vector of springs, of a law over its cells and regions too, timed beside ours in the same run: batches of
-// both take turns. CHAI3D's GEL needs about 1.15 us for 220 springs; it is not built here.
+// The peer is a plain explicit step in double precision: a loop over a vector of springs, and for an energy model over
+// its cells and regions. Both are timed in the same run, in alternating batches. CHAI3D's GEL needs about 1.15 us for
+// 220 springs; it is not built here.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -19,7 +20,7 @@
 #include "haptic/simulation.h"
 #include "haptic/virtual_device.h"
 #include "mesh/facet.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/heuristic.h"
 #include "springs/region_area.h"
 
@@ -50,7 +51,7 @@ Json entry(const std::string& name, const std::string& unit, const std::vector<d
     return j;
 }
 
-/// The step as one would first write it.
+/// The time step in its simplest form.
 struct PlainMesh {
     struct Spring { int i, j; double k, nx, ny; };
     struct Node { double ux, uy, vx, vy, fx, fy, inverse_mass; };
@@ -85,7 +86,7 @@ struct PlainMesh {
     }
 };
 
-/// One lattice of `side` nodes: microseconds a step, ours and the peer's.
+/// Microseconds per step, ours and the peer's.
 struct StepTimes {
     std::vector<double> ours, peer;
     int springs;
@@ -94,7 +95,8 @@ struct StepTimes {
 StepTimes time_steps(int side, int batches) {
     const SpringMesh mesh = make_lattice("grid8", side - 1, side - 1, 0.1, 0.1);
     const Eigen::VectorXd mass = node_masses(mesh, 1040, 1.0 / 6000);
-    const double h = 0.1 / (side - 1), dt = 0.5 * h / 0.01 * 1e-3;  // as stable as 1 ms on 1 cm
+    // the time step scales with the spacing: 0.5 ms at 10 mm
+    const double h = 0.1 / (side - 1), dt = 0.5 * h / 0.01 * 1e-3;
     const Eigen::VectorXd theta = heuristic_stiffness(mesh, 0.754);
     const RealtimeMesh realtime(mesh, "axial", mass);
     const auto dynamics = make_dynamics("symplectic", realtime, {dt, 1});
@@ -115,7 +117,7 @@ StepTimes time_steps(int side, int batches) {
         const auto middle = Clock::now();
         for (int k = 0; k < repeat; ++k) plain.step(dt, 1);
         const auto end = Clock::now();
-        if (batch < 3) continue;  // caches and pages
+        if (batch < 3) continue;  // warm-up of caches and pages
         times.ours.push_back(microseconds(middle - start) / repeat);
         times.peer.push_back(microseconds(end - middle) / repeat);
     }
@@ -129,7 +131,8 @@ StepTimes time_steps(int side, int batches) {
     return times;
 }
 
-/// A law's step as one would first write it: springs that turn, squares and regions by their corners.
+/// The time step of an energy model in its simplest form: springs along their current direction, areas of cells and
+/// regions.
 struct PlainLaw {
     struct Spring { int i, j; double k, length; };
     struct Ring { std::vector<int> nodes; double k, area; };
@@ -139,7 +142,7 @@ struct PlainLaw {
     std::vector<Node> nodes;
 
     explicit PlainLaw(const TissueModel& m) {
-        const Eigen::VectorXd& constants = m.energy_law->constants;
+        const Eigen::VectorXd& constants = m.energy_model->constants;
         for (int s = 0; s < m.mesh.spring_count(); ++s) {
             const int i = m.mesh.springs(s, 0), j = m.mesh.springs(s, 1);
             springs.push_back({i, j, constants[s], (m.mesh.nodes.row(j) - m.mesh.nodes.row(i)).norm()});
@@ -147,7 +150,7 @@ struct PlainLaw {
         for (int n = 0; n < m.mesh.node_count(); ++n)
             nodes.push_back({m.mesh.nodes(n, 0), m.mesh.nodes(n, 1), 0, 0, 0, 0, 1 / m.node_mass_kg[n]});
         for (int n : m.mesh.fixed) nodes[static_cast<std::size_t>(n)].inverse_mass = 0;
-        const TissueEnergy energy(m.mesh, m.energy_law->incompressible);
+        const TissueEnergy energy(m.mesh, m.energy_model->incompressible);
         for (std::size_t k = 1; k < energy.kinds().size(); ++k) {
             const Elements& kind = *energy.kinds()[k];
             for (int e = 0; e < kind.count(); ++e) {
@@ -207,7 +210,7 @@ struct PlainLaw {
     }
 };
 
-/// The same in space: springs that turn, boxes by their corners, and supports at points in boxes.
+/// The same in space: springs along their current direction, volumes of boxes, and supports at points in boxes.
 struct PlainSolid {
     struct Spring { int i, j; double k, length; };
     struct Box { int corner[8]; double k, volume; };
@@ -219,7 +222,7 @@ struct PlainSolid {
     std::vector<Node> nodes, rest;
 
     explicit PlainSolid(const TissueModel& m) {
-        const Eigen::VectorXd& constants = m.energy_law->constants;
+        const Eigen::VectorXd& constants = m.energy_model->constants;
         const NodeField& x = m.mesh.nodes;
         for (int s = 0; s < m.mesh.spring_count(); ++s)
             springs.push_back({m.mesh.springs(s, 0), m.mesh.springs(s, 1), constants[s], m.mesh.rest_length(s)});
@@ -243,7 +246,7 @@ struct PlainSolid {
         }
     }
 
-    /// From the mean edges along each axis.
+    /// Volume from the mean edge along each axis (3 x 3, row by axis).
     double volume(const Box& box, double* edge) const {
         for (int a = 0; a < 3; ++a) {
             double x = 0, y = 0, z = 0;
@@ -320,11 +323,11 @@ struct PlainSolid {
     }
 };
 
-/// One step of a law's mesh, ours and the peer's, from the same displacements.
+/// Steps of an energy model's mesh, ours and the peer's, from the same displacements.
 template <class Plain>
 StepTimes time_law_steps(const TissueModel& m, int batches) {
     const RealtimeMesh springs(m.mesh, "geometric", m.node_mass_kg);
-    const RealtimeLaw law(m, springs);
+    const RealtimeEnergyModel law(m, springs);
     constexpr double dt = 5e-4;
     const auto dynamics = make_dynamics("symplectic", springs, {dt, 1, &law});
     MeshState state(springs, Eigen::VectorXd::Zero(springs.slot_count()));
@@ -335,7 +338,8 @@ StepTimes time_law_steps(const TissueModel& m, int batches) {
         plain.nodes[static_cast<std::size_t>(n)].x += state.displacement(n, 0);
         plain.nodes[static_cast<std::size_t>(n)].y += state.displacement(n, 1);
     }
-    const int repeat = m.mesh.spring_count() > 5000 ? 1 : 40000 / m.mesh.spring_count();  // so that a large mesh has a p99 of its own
+    // single steps of a large mesh, for its p99
+    const int repeat = m.mesh.spring_count() > 5000 ? 1 : 40000 / m.mesh.spring_count();
     StepTimes times{{}, {}, m.mesh.spring_count()};
     for (int batch = 0; batch < batches + 3; ++batch) {
         const auto start = Clock::now();
@@ -343,30 +347,30 @@ StepTimes time_law_steps(const TissueModel& m, int batches) {
         const auto middle = Clock::now();
         for (int k = 0; k < repeat; ++k) plain.step(dt, 1);
         const auto end = Clock::now();
-        if (batch == 0)  // before rounding tells them apart
+        if (batch == 0)  // before rounding errors grow
             for (int n = 0; n < m.mesh.node_count(); ++n)
                 if (m.node_mass_kg[n] > 0 && !(std::abs(m.mesh.nodes(n, 0) + state.displacement(n, 0) - plain.nodes[static_cast<std::size_t>(n)].x) < 1e-4)) {
                     std::cerr << "bench_haptic: the two steps of a law do not agree\n";
                     std::exit(1);
                 }
-        if (batch < 3) continue;  // caches and pages
+        if (batch < 3) continue;  // warm-up of caches and pages
         times.ours.push_back(microseconds(middle - start) / repeat);
         times.peer.push_back(microseconds(end - middle) / repeat);
     }
     return times;
 }
 
-/// One step of a law with three branches in every element and one of the same law without, turn by turn.
+/// Steps of an energy model with three Maxwell branches in every element, alternating with the same model without.
 std::pair<std::vector<double>, std::vector<double>> time_relaxing_steps(const TissueModel& elastic, int batches) {
     TissueModel relaxing = elastic;
-    Relaxation& r = relaxing.energy_law->relaxation;
+    Relaxation& r = relaxing.energy_model->relaxation;
     r.tau_s = Eigen::Vector3d(0.05, 1, 10);
     r.contact_share = Eigen::Vector3d(0.30, 0.25, 0.20);
-    r.share = r.contact_share.transpose().replicate(elastic.energy_law->constants.size(), 1);
+    r.share = r.contact_share.transpose().replicate(elastic.energy_model->constants.size(), 1);
     constexpr double dt = 5e-4;
     const RealtimeMesh springs(elastic.mesh, "geometric", elastic.node_mass_kg);
     std::vector<double> times[2];
-    const RealtimeLaw laws[2] = {RealtimeLaw(relaxing, springs), RealtimeLaw(elastic, springs)};
+    const RealtimeEnergyModel laws[2] = {RealtimeEnergyModel(relaxing, springs), RealtimeEnergyModel(elastic, springs)};
     std::unique_ptr<Dynamics> dynamics[2];
     std::vector<MeshState> states;
     for (int which : {0, 1}) {
@@ -386,7 +390,7 @@ std::pair<std::vector<double>, std::vector<double>> time_relaxing_steps(const Ti
     return {times[0], times[1]};
 }
 
-/// A law on the lattice of `surface`: the heuristic's constants, two steps a tick.
+/// An energy model on the lattice of `surface` with the heuristic's constants, two steps per tick.
 TissueModel made_up_law() {
     constexpr double thickness_m = 0.1;
     TissueModel m;
@@ -396,9 +400,9 @@ TissueModel made_up_law() {
     m.modulus_N_m = 4524 * thickness_m;
     m.node_mass_kg = node_masses(m.mesh, 1040, thickness_m);
     m.heuristic_a = heuristic_stiffness(m.mesh, m.modulus_N_m);
-    const EnergyLaw law(m.mesh, law_heuristic(m.mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all"});
+    const EnergyModelTerms law(m.mesh, energy_model_heuristic(m.mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
-    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    m.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
     m.contact_m.resize(1, 2);
     m.direction.resize(1, 2);
     m.contact_m << 0.05, 0.1;
@@ -408,7 +412,8 @@ TissueModel made_up_law() {
     return m;
 }
 
-/// A law on a block in space of so many cubes along its sides, half as many from its bed up, with a disc of 7 mm: about `block3` at 10.
+/// An energy model of a block in space with `cubes` cubes along its sides and half as many in height, for a disc of
+/// 7 mm radius; similar to `block3` for 10 cubes.
 TissueModel made_up_solid(int cubes) {
     constexpr double modulus_Pa = 4524, radius_m = 0.007;
     TissueModel m;
@@ -418,10 +423,10 @@ TissueModel made_up_solid(int cubes) {
     m.modulus_N_m = modulus_Pa;
     m.node_mass_kg = node_masses(m.mesh, 1040, 1);
     m.heuristic_a = heuristic_stiffness(m.mesh, modulus_Pa);
-    const EnergyLaw law(m.mesh, solid_heuristic(m.mesh, Eigen::VectorXd::Constant(m.mesh.spring_count(), modulus_Pa),
+    const EnergyModelTerms law(m.mesh, solid_heuristic(m.mesh, Eigen::VectorXd::Constant(m.mesh.spring_count(), modulus_Pa),
                                                 Eigen::VectorXd::Constant(mesh_cells(m.mesh).rows(), modulus_Pa), modulus_Pa, 12, radius_m), {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
-    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    m.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
     m.contact_m.resize(1, 3);
     m.direction.resize(1, 3);
     m.contact_m << 0.05, 0.05, 0.05;
@@ -431,7 +436,7 @@ TissueModel made_up_solid(int cubes) {
     return m;
 }
 
-/// The paper's cases with sets that differ, when no model is given.
+/// Load cases as in the paper, with different spring sets.
 TissueModel made_up() {
     TissueModel m;
     m.study = "bench";
@@ -459,8 +464,8 @@ TissueModel made_up() {
     return m;
 }
 
-/// Every tick of 20 s of pressing, dragging and letting go: one or two meshes, contact, sets with their moving average or a
-/// law, safety.
+/// Microseconds of every tick in 20 s of indenting, dragging and releasing: one or two meshes, contact, spring sets
+/// with their moving average or an energy model, safety.
 std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dynamics, bool heuristic_mesh) {
     HapticOptions o;
     o.dynamics = dynamics;
@@ -479,7 +484,8 @@ std::vector<double> time_ticks(const TissueModel& tissue, const std::string& dyn
     return times;
 }
 
-/// Every tick of 20 s in which two tools press, drag and let go, 40 mm apart, and beside it, tick by tick, under the first of them alone.
+/// Microseconds of every tick in 20 s in which two tools 40 mm apart indent, drag and release (ours), and with one tool
+/// alone (peer), tick by tick.
 StepTimes time_tools(const TissueModel& tissue) {
     const auto with = [&](int tools) {
         HapticOptions o;
@@ -509,8 +515,8 @@ StepTimes time_tools(const TissueModel& tissue) {
     return times;
 }
 
-/// A tick's use of a surface in space as the simulation has it, over a press that comes and goes; beside it the same question asked
-/// of every triangle one by one.
+/// Time of all surface queries of a tick in space, while an indentation grows and decays (ours); and of the nearest
+/// point alone by a loop over every triangle (peer).
 StepTimes time_triangles() {
     const SpringMesh mesh = embedded_block(Lattice{{15, 15, 9}, {0.1, 0.1, 0.05}});
     MovingTriangles surface(mesh);
@@ -577,7 +583,8 @@ int main(int argc, char** argv) {
         for (const auto& [model, tissue] : models)
             for (const std::string dynamics : {"symplectic", "implicit"})
                 for (const bool two : {true, false}) {
-                    if (tissue.energy_law ? dynamics == "implicit" : !two) continue;  // a law has no implicit step
+                    // an energy model has no implicit step
+                    if (tissue.energy_model ? dynamics == "implicit" : !two) continue;
                     const std::vector<double> ticks = time_ticks(tissue, dynamics, two);
                     const std::string name = std::string("haptic: full tick, ") + (two ? "two meshes, " : "one mesh, ") + model + ", " + dynamics;
                     list.push_back(entry(name, "us", ticks));

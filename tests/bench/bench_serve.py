@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What an attack on `tissuectl serve` does to its tick: bench_serve.py RESULTS, with the program in TISSUECTL.
+"""Effect of an attack on the tick of `tissuectl serve`: bench_serve.py RESULTS, with the program in TISSUECTL.
 
-One page presses the tissue all the time and reads the tick's median and p99 of every second. Three kinds of windows take
-turns: nobody else is there; another process sends hostile frames and connects and leaves, as fast as it can; it does so
-to another server, which is there all the time. The last is what a busy machine does to a tick by itself: caches and
-clocks are shared, whoever is attacked. Prints entries of results/bench.json; the peers are the other two."""
+One client indents the tissue all the time and reads the tick's median and p99 of every second. Windows of three kinds
+alternate: without an attack; another process sends hostile frames and connects and disconnects, as fast as it can; the
+same attack on another server, which runs all the time. The last kind gives the effect of a busy machine: caches and
+clocks are shared in any case. Prints entries of results/bench.json; the peers are the first and the last kind."""
 import json
 import multiprocessing
 import os
@@ -39,7 +39,8 @@ def window(client, seconds):
             client.say(type="pointer", x=0.05, y=0.092, down=True)
             spoke = now
         state = numbers(client.until(lambda kind, _: kind == 2)[1])
-        if now - begin > 1.1 and (not seen or seen[-1] != state[7:9]):  # the first figures are of the window before
+        # the first figures belong to the previous window
+        if now - begin > 1.1 and (not seen or seen[-1] != state[7:9]):
             seen.append(state[7:9])
     return seen
 

@@ -1,17 +1,20 @@
-// Speed of training, of the loss and of what builds it, on the load cases of a study. Driven by scripts/bench.py.
+// Times of training, of the loss and of its construction, on the load cases of a study. Run by scripts/bench.py.
 //
-//   bench_train sets STUDY CASES                  all sets of the study: by its optimiser, and exactly
-//   bench_train iterate STUDY CASES OPTIMIZER SET one set, by one optimiser, over and over
+//   bench_train sets STUDY CASES                  all spring sets of the study: by its optimiser, and exactly
+//   bench_train iterate STUDY CASES OPTIMIZER SET one set, by one optimiser, repeatedly
 //   bench_train loss STUDY CASES SET              one evaluation of the loss of one set
-//   bench_train lattice                           building lattices and their force matrices
-//   bench_train scaling STUDY CASES               cost against sets, springs and cases in one set, with exponents
-//   bench_train space STUDY                       cost of training a law in space against nodes, springs and paths, with exponents
-//   bench_train space STUDY X Y Z PATHS           one lattice of so many cells alone, for its memory: under /usr/bin/time -v
-//   bench_train export STUDY CASES                the losses themselves, for others to minimise
+//   bench_train lattice                           construction of lattices and their force matrices
+//   bench_train scaling STUDY CASES               cost over sets, springs and cases in one set, with exponents
+//   bench_train space STUDY                       cost of training an energy model in space, over nodes, springs
+//                                                 and paths, with exponents
+//   bench_train space STUDY X Y Z PATHS           one lattice of X x Y x Z cells alone, for its memory:
+//                                                 under /usr/bin/time -v
+//   bench_train export STUDY CASES                the losses themselves, for other optimisers
 //
-// What runs on one thread, `scaling` and `space`, is measured in processor time, so that others on the machine do not count;
-// `sets` is not. Prints a JSON list of {"name", "unit", "samples"}, or of finished entries; `export` a list of sets instead: L(theta) = |target - B theta|
-// with B as triplets (row, column, value), and start, lo, hi, unit [N/m]. SET counts from 0.
+// Runs on one thread, `scaling` and `space` are measured in processor time, so that other processes do not count;
+// `sets` is measured in wall time. Prints a JSON list of {"name", "unit", "samples"}, or of finished entries. `export`
+// prints a list of sets: L(theta) = |target - B theta| with B as triplets (row, column, value), and start, lo, hi, unit
+// [N/m]. SET counts from 0.
 //
 // Sample run: build/release/bench/bench_train sets fem/studies/paper.toml results/paper/cases.h5
 #include <algorithm>
@@ -23,7 +26,7 @@
 #include <string>
 #include <vector>
 
-#include "cases/study_law.h"
+#include "cases/study_energy_model.h"
 #include "cases/study_mesh.h"
 #include "error.h"
 #include "mesh/free_surface.h"
@@ -34,7 +37,7 @@
 #include "train/bounded_lsq.h"
 #include "train/loss_terms.h"
 #include "train/optimizer.h"
-#include "train/train_law.h"
+#include "train/train_energy_model.h"
 #include "train/train_sets.h"
 
 namespace {
@@ -42,7 +45,7 @@ namespace {
 using namespace tissue;
 using Json = nlohmann::ordered_json;
 
-constexpr int threads = 2;  // the goals speak of two cores
+constexpr int threads = 2;  // the goals are for two cores
 
 Json entry(const std::string& name, const std::string& unit, const std::vector<double>& samples) {
     return {{"name", name}, {"unit", unit}, {"samples", samples}};
@@ -55,7 +58,7 @@ double processor_seconds() {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Seconds that one call takes, `samples` times over, each the mean of so many calls that the clock does not matter.
+/// Processor seconds of one call, `samples` times. Each sample is the mean of enough calls for the clock's resolution.
 template <class Call>
 std::vector<double> time_calls(int samples, const Call& call) {
     const auto seconds = [&](int calls) {
@@ -75,7 +78,7 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
     return values;
 }
 
-/// What a study trains on: its losses as train_sets makes them.
+/// The training problem of a study: its losses as in train_sets.
 struct Problem {
     Study study;
     Cases cases;
@@ -87,7 +90,7 @@ struct Problem {
         : study(read_study(study_file)), cases(read_cases(cases_file)) {
         if (study.training.objective != "force" || study.training.ridge > 0)
             throw MismatchError("bench_train: study '" + study.name + "' does not train on (9) alone");
-        Study quick = study;  // one iteration: for the weights it draws
+        Study quick = study;  // one iteration, for the node weights
         quick.training.optimizer = "spsa-2008";
         quick.training.also.clear();
         quick.training.iterations = 1;
@@ -131,7 +134,7 @@ Json bench_sets(const std::string& study_file, const std::string& cases_file) {
             entry(all + "exact with certificate, 2 threads", "s", exact)};
 }
 
-/// Time per iteration and loss reached, from `start` to the study's iterations or the optimiser's own end.
+/// Time per iteration and final loss, from `start` to the study's number of iterations or the optimiser's own end.
 Json bench_iterations(const Problem& problem, const std::string& optimizer, const std::string& set) {
     const ForceLoss& loss = problem.loss(set);
     const Optimizer& method = *optimizers().at(optimizer);
@@ -152,7 +155,7 @@ Json bench_iterations(const Problem& problem, const std::string& optimizer, cons
 Json bench_loss(const Problem& problem, const std::string& set) {
     const ForceLoss& loss = problem.loss(set);
     Eigen::VectorXd workspace(loss.target().size());
-    double sum = 0;  // used, so that nothing is optimised away
+    double sum = 0;  // used, so that the compiler keeps the calls
     const std::vector<double> times = time_calls(20, [&] { sum += loss(problem.start, workspace); });
     if (!std::isfinite(sum)) throw MismatchError("bench_train: the loss is not finite");
     return {entry("loss", "us", scaled(times, 1e6))};
@@ -210,7 +213,7 @@ double median(std::vector<double> samples) {
     return (samples[(n - 1) / 2] + samples[n / 2]) / 2;
 }
 
-/// The exponent of the samples' medians over the sizes; its n is the number of sizes.
+/// Adds the exponent of the samples' medians over the sizes; n is the number of sizes.
 void add_exponent(Json& list, const std::string& what, const std::string& of, const std::vector<double>& size,
                   const std::vector<std::vector<double>>& samples) {
     std::vector<double> medians;
@@ -219,7 +222,7 @@ void add_exponent(Json& list, const std::string& what, const std::string& of, co
     list.push_back({{"name", what + ", exponent in " + of}, {"unit", "1"}, {"median", p}, {"p95", p}, {"n", size.size()}});
 }
 
-/// One entry a size, and the exponent over them.
+/// Adds one entry per size, and the exponent over the sizes.
 void add_costs(Json& list, const std::string& what, const std::string& of, const std::vector<double>& size,
                const std::vector<double>& seconds) {
     std::vector<std::vector<double>> samples;
@@ -239,7 +242,7 @@ Cases thinned(const Cases& cases, int step) {
     return few;
 }
 
-/// Pushes into the top of a lattice whose springs are not the heuristic's: what training would get from FE, without it.
+/// Indentations of the top of a lattice whose springs differ from the heuristic. They stand in for FE cases.
 Cases made_up(const Study& study, int paths) {
     const SpringMesh mesh = make_lattice(study.springs.topology, study.cells[0], study.cells[1], study.geometry.width_m,
                                          study.geometry.height_m);
@@ -298,7 +301,7 @@ Json bench_scaling(const std::string& study_file, const std::string& cases_file)
         add_costs(list, name + ", 4 made-up sets", "springs", springs, seconds);
     }
     {
-        // one set that serves many cases: their losses built, summed, and solved exactly
+        // one set for many cases: losses are built, summed, and solved exactly
         const SpringMesh mesh = spring_mesh_of(study, cases);
         const std::unique_ptr<SpringLaw> law = make_spring_law(study.springs.law);
         const Eigen::VectorXd start = heuristic_stiffness(mesh, study.modulus_N_m());
@@ -322,15 +325,15 @@ Json bench_scaling(const std::string& study_file, const std::string& cases_file)
     return list;
 }
 
-/// A law of a solid block to train on pushes into its top, all over it, straight and tilted, to 4 and 8 mm. Their truth is the same
-/// law with coefficients of its own: what training would get from FE, without it.
+/// An energy model of a solid block, and indentations of its top to train on: all over the top, straight and tilted, 4
+/// and 8 mm deep. Their reference is the same model with other parameters, in place of FE.
 struct SolidProblem {
     SpringMesh mesh;
-    EnergyLaw law;
+    EnergyModelTerms law;
     std::vector<PressPath> paths;
     LawTrainingOptions options;
 
-    SolidProblem(const Study& study, int count) : mesh(study_mesh(study, {}, study.springs.topology)), law(study_law(study, {}, mesh)) {
+    SolidProblem(const Study& study, int count) : mesh(study_mesh(study, {}, study.springs.topology)), law(study_energy_model(study, {}, mesh)) {
         options.force_scale = study.training.force_scale;
         options.shape_scale = study.training.shape_scale;
         options.ridge = study.training.ridge;
@@ -341,34 +344,34 @@ struct SolidProblem {
         for (Eigen::Index t = 0; t < truth.size(); ++t) truth[t] = 0.3 * std::sin(1.7 * static_cast<double>(t + 1));
         const TissueEnergy energy = law.energy(mesh);
         const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m);
-        PressSolver solver(energy, *kernel, options.press);
+        EquilibriumSolver solver(energy, *kernel, options.press);
         for (int k = 0; k < count; ++k) {
             PressPath& path = paths.emplace_back();
             path.name = "push-" + std::to_string(k);
-            const double turn = 2.4 * k, far = 0.3 * std::sqrt((k + 0.5) / count);  // a sunflower's places
+            const double turn = 2.4 * k, far = 0.3 * std::sqrt((k + 0.5) / count);  // contacts on a sunflower spiral
             path.contact_m = Eigen::Vector3d(study.geometry.width_m * (0.5 + far * std::cos(turn)),
                                              study.geometry.length_m * (0.5 + far * std::sin(turn)), study.geometry.height_m);
             const Eigen::Vector3d direction = k % 2 == 0 ? Eigen::Vector3d(0, 0, -1) : Eigen::Vector3d(std::cos(turn), std::sin(turn), -1.7).normalized();
             const ContactSpring contact(kernel->rows_at(path.contact_m), law.patch(truth));
-            PressState state;
+            EquilibriumState state;
             for (const double depth_m : {0.004, 0.008}) {
-                const PressState before = state;
+                const EquilibriumState before = state;
                 state = solver.press(law.constants(truth), contact, depth_m * direction, before.displacement.size() > 0 ? &before : nullptr);
-                if (state.status != PressStatus::held)
+                if (state.status != SolverStatus::converged)
                     throw MismatchError("bench_train: " + path.name + " is " + to_string(state.status));
                 path.records.push_back({state.push_m, state.contact_force_N, state.displacement});
             }
         }
     }
 
-    /// Processor seconds that training takes for one evaluation, the mean of its first iterations.
+    /// Processor seconds per evaluation of the loss in training, the mean over the first iterations.
     double evaluation_seconds(int iterations = 4) const {
         LawTrainingOptions few = options;
         few.fit.max_iterations = iterations;
         int evaluations = 0;
         const double seconds = processor_seconds_of([&] {
-            const TrainedLaw trained = train_law(mesh, law, paths, few);
-            evaluations = trained.starts[0].evaluations + 1;  // the last is of what was trained
+            const TrainedEnergyModel trained = train_energy_model(mesh, law, paths, few);
+            evaluations = trained.starts[0].evaluations + 1;  // plus one of the trained parameters
         });
         return seconds / evaluations;
     }
@@ -389,7 +392,7 @@ Json bench_one_solid(const Study& study, int paths) {
                   "s", {problem.evaluation_seconds(1)})};
 }
 
-/// Every size in turn, over and over, so that what else the machine does falls on all of them.
+/// Measures all sizes in turn and repeats, so that other load of the machine affects all of them.
 Json bench_space(const std::string& study_file) {
     constexpr int repeats = 3, few_paths = 4;
     const Study study = read_study(study_file);

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""felupe on the load paths that solve_path.edp solves, in plane stress: the peer of `make cases` in scripts/bench.py.
+"""felupe on the load paths of solve_path.edp in plane stress: the peer of `make cases` in scripts/bench.py.
 
-Equations: the same discrete problem. The same MSH file, quadratic triangles, 7 quadrature points, displacement only,
-           F33 = 1/J, P = 2 W_T F + W_J cof F (fem/plane_stress.idp), point indenter, the same records and criterion:
-           largest force on a free node over the largest on a held one.
-Method:    felupe's own Newton with a fresh tangent every iteration, its assembly and its default solver. A record is
-           one load step; one that fails is cut in half, as ours is. Start-up is paid once for all paths, and nothing
-           is written to disk but one line, both in felupe's favour.
+Equations: the same discrete problem: the same MSH file, quadratic triangles, 7 quadrature points, displacement only,
+           F33 = 1/J, P = 2 W_T F + W_J cof F (fem/plane_stress.idp), point indenter, the same records. Criterion of
+           convergence: largest force on a free node over the largest on a fixed one.
+Method:    felupe's own Newton iteration with a new tangent in every iteration, its assembly and its default solver. A
+           record is one load step; a step that fails is halved, as in solve_path.edp. Start-up counts once for all
+           paths, and the only output is one line; both favour felupe.
 
 Prints {"version", "forces": {path: [[s_m, fx_N, fy_N], ...]}} as one line of JSON.
 Sample run: build/venv/bin/python tests/bench/peer_felupe.py --plan results/paper/plan.mk --results results/paper
@@ -18,7 +18,7 @@ import os
 import re
 import sys
 
-for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):  # two processes on two cores already
+for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):  # two processes already use two cores
     os.environ.setdefault(name, "1")
 
 import felupe as fem
@@ -64,7 +64,7 @@ class PlaneStressMooneyRivlin:
 
 
 def solve_path(task):
-    """One path: name and [s, fx, fy] at each record [m, N]."""
+    """Solves one path. Returns its name and [s, fx, fy] at each record [m, N]."""
     name, mesh_file, a = task
     points, triangles = read_msh(mesh_file)
     nodes, cells = quadratic(points, triangles)

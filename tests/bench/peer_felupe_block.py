@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""felupe on the lattice of a solid block: the peer of a press in scripts/peers_study.py.
+"""felupe on the lattice of a solid block: the peer of an indentation in scripts/peers_study.py.
 
-Equations: neo-Hooke with the same shear modulus, bulk modulus a thousand times that, displacement, pressure and volume ratio (three fields): a
-           hexahedron a box, eight nodes, pressure constant in each. Bottom held.
-Contact:   the nodes within the disc's radius of the contact, or the nearest one, move with the push; the force is theirs.
-Method:    felupe's own Newton and default solver, four load steps.
+Equations: neo-Hookean with the same shear modulus and a bulk modulus a thousand times as large; three fields:
+           displacement, pressure and volume ratio. Each box is one hexahedron of eight nodes with constant pressure.
+           The bottom is fixed.
+Contact:   the nodes within the disc's radius of the contact, or the nearest one, have the tool's displacement; the
+           force is the sum over them.
+Method:    felupe's own Newton iteration and default solver, four load steps.
 
 Reads what peer_mujoco.py reads, and "shear_Pa"; prints {"version", "press_us": [...], "force_N": [[x, y, z], ...]} as one line of JSON.
-Sample run: scripts/peers_study.py feeds it.
+Sample run: scripts/peers_study.py calls it.
 """
 import json
 import os

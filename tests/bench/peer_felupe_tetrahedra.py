@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""felupe on an organ's own tetrahedra: the peer of a press in scripts/peers_organ.py.
+"""felupe on an organ's own tetrahedra: the peer of an indentation in scripts/peers_organ.py.
 
-Equations: neo-Hooke on linear tetrahedra, Young's modulus as ours, Poisson's ratio 0.45: nearer to 1/2 linear tetrahedra lock. Held nodes stay.
-Contact:   surface nodes within the disc's radius of the contact, or the nearest one, move by phi d, phi = 1 - (r / R)^2 / 2, as under our disc; the
-           force is sum phi f, conjugate to d.
-Method:    felupe's own Newton and default solver, four load steps.
+Equations: neo-Hookean on linear tetrahedra with the study's Young's modulus and Poisson's ratio 0.45, because linear
+           tetrahedra lock nearer to 1/2. Fixed nodes do not move.
+Contact:   surface nodes within the disc's radius of the contact, or the nearest one, are displaced by phi d, phi = 1 -
+           (r / R)^2 / 2, as under our disc; the force is sum phi f, conjugate to d.
+Method:    felupe's own Newton iteration and default solver, four load steps.
 
-Reads {"nodes", "tetrahedra", "held", "surface", "normals" (of its nodes, out), "modulus_Pa", "radius_m", "pushes": [[contact], [push]], "outward" (of each)} from standard input; prints
-{"version", "press_us": [...], "force_N": [[x, y, z], ...], "displacement_m": [[[x, y, z], ...], ...]} as one line of JSON, none of a press that it has no answer for.
-Sample run: scripts/peers_organ.py feeds it.
+Reads {"nodes", "tetrahedra", "held" (fixed nodes), "surface", "normals" (outward, of its nodes), "modulus_Pa",
+"radius_m", "pushes": [[contact], [displacement]], "outward" (unit normal of each)} from standard input; prints
+{"version", "press_us": [...], "force_N": [[x, y, z], ...], "displacement_m": [[[x, y, z], ...], ...]} as one line of
+JSON, with null for an indentation without an answer.
+Sample run: scripts/peers_organ.py calls it.
 """
 import json
 import os
@@ -25,13 +28,13 @@ POISSON = 0.45
 
 
 def press(mesh, asked, contact, push, outward):
-    """Force [N] and displacement of all nodes [m]; felupe raises where Newton finds no rest."""
+    """Force [N] and displacement of all nodes [m]. felupe raises if Newton does not converge."""
     field = fem.FieldContainer([fem.Field(fem.RegionTetra(mesh), dim=3)])
     shear = asked["modulus_Pa"] / (2 * (1 + POISSON))
     solid = fem.SolidBody(fem.NeoHookeCompressible(mu=shear, lmbda=2 * shear * POISSON / (1 - 2 * POISSON)), field)
     surface = np.array(asked["surface"])
     away = np.linalg.norm(mesh.points[surface] - contact, axis=1)
-    away[np.array(asked["normals"]) @ outward <= 0] = np.inf  # on the other side of thin tissue
+    away[np.array(asked["normals"]) @ outward <= 0] = np.inf  # excludes the other side of thin tissue
     near = (away <= asked["radius_m"]) | (away <= away.min())
     phi = np.zeros(len(mesh.points))
     phi[surface[near]] = 1 - np.minimum(1, away[near] / asked["radius_m"]) ** 2 / 2
@@ -55,7 +58,7 @@ def main():
             force, displacement = press(mesh, asked, np.array(contact), push, np.array(outward))
             forces.append(force.tolist())
             displacements.append(displacement.tolist())
-        except Exception as error:  # its own, of many kinds
+        except Exception as error:  # felupe raises several types
             print(f"felupe: no answer at {contact}: {error}", file=sys.stderr)
             forces.append(None)
             displacements.append(None)

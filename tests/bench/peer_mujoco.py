@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
-"""MuJoCo's flex on the lattice of a solid block, or on an organ's own tetrahedra: the peer of a tick and of a press in scripts/peers_study.py and peers_organ.py.
+"""MuJoCo's flex on the lattice of a solid block, or on an organ's own tetrahedra: the peer of a tick and of an
+indentation in scripts/peers_study.py and peers_organ.py.
 
-Equations: Saint Venant-Kirchhoff tetrahedra, of a block five a box, on the same nodes; Young's modulus as ours, Poisson's ratio 0.45, since nearer to 1/2
-           its solver says that it does not converge. Bottom, or what is held, pinned.
-Contact:   a rigid cylinder of the disc's radius, led along the same push in 0.15 s and held; friction 3, and
-           contacts as stiff as steps of 1 ms bear. It touches what lies between nodes too, and so presses all nodes of a facet. Its
-           force is the sum of MuJoCo's contact forces, the mean of the last 50 ms.
-Method:    integrator `discrete`, its implicit one for flex, conjugate gradients, steps of 1 ms as a tick.
+Equations: Saint Venant-Kirchhoff tetrahedra on the same nodes, five per box of a block; the study's Young's modulus and
+           Poisson's ratio 0.45, because the solver reports no convergence nearer to 1/2. The bottom, or the fixed
+           nodes, are pinned.
+Contact:   a rigid cylinder of the disc's radius has the same displacement, within 0.15 s, and then rests. Friction is
+           3, and contacts are as stiff as time steps of 1 ms allow. The cylinder also touches points between nodes, and
+           so loads all nodes of a facet. Its force is the sum of MuJoCo's contact forces, averaged over the last 50 ms.
+Method:    integrator `discrete`, MuJoCo's implicit one for flex; conjugate gradients; time steps of 1 ms, as a tick.
 
-Reads {"size_m" and "counts" of a block, or "nodes", "tetrahedra", "held" and "outward" (of each push), "modulus_Pa", "radius_m", "mass_kg", "pushes": [[contact], [push]],
-"seconds"} from standard input; prints {"version", "step_us": [...], "force_N": [[x, y, z], ...]} as one line of JSON, of tetrahedra "displacement_m" of their nodes too; null of a push that became unstable.
-Sample run: scripts/peers_study.py feeds it.
+Reads {"size_m" and "counts" of a block, or "nodes", "tetrahedra", "held" (fixed nodes) and "outward" (unit normal of
+each indentation), "modulus_Pa", "radius_m", "mass_kg", "pushes": [[contact], [displacement]], "seconds"} from standard
+input; prints {"version", "step_us": [...], "force_N": [[x, y, z], ...]} as one line of JSON, for tetrahedra also
+"displacement_m" of their nodes; null for an indentation that became unstable.
+Sample run: scripts/peers_study.py calls it.
 """
 import json
 import sys
@@ -40,7 +44,7 @@ def words(values):
 
 
 def meshed(asked):
-    """What flexcomp is told of the mesh, and of what is pinned."""
+    """Attributes of flexcomp for the mesh, and of its pinned nodes."""
     if "nodes" in asked:
         return (f'type="direct" point="{words(asked["nodes"])}" element="{words(asked["tetrahedra"])}"', f'id="{words(asked["held"])}"')
     size, counts = np.array(asked["size_m"]), asked["counts"]
@@ -49,7 +53,7 @@ def meshed(asked):
 
 
 def turned(outward):
-    """Quaternion that turns z to there."""
+    """Quaternion that rotates z to `outward`."""
     w = 1 + outward[2]
     quaternion = np.array([w, -outward[1], outward[0], 0]) if w > 1e-6 else np.array([0, 1, 0, 0])
     return quaternion / np.linalg.norm(quaternion)
@@ -77,7 +81,7 @@ def main():
                 total += data.contact[c].frame.reshape(3, 3).T @ one[:3]
             force.append(total)
         mean = np.mean(force[-50:], axis=0)
-        # it begins anew, and goes on, where a position, a velocity or an acceleration is none
+        # MuJoCo resets and continues if a position, velocity or acceleration is not finite
         lost = any(data.warning[kind].number > 0 for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC))
         forces.append(None if lost else (mean if mean @ np.array(push) > 0 else -mean).tolist())
         if "nodes" in asked:

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""SPSA of noisyopt and qiskit-algorithms on the very losses of `bench_train export`: peers of scripts/bench.py.
+"""SPSA of noisyopt and qiskit-algorithms on the losses of `bench_train export`: peers of scripts/bench.py.
 
-Both get what spsa-2008 gets: the same start, iterations, exponents 0.602 and 0.101, perturbation of E2, and a gain a
-calibrated to the same mean first step, 0.003 E2, with the A that each has (noisyopt's is fixed at 1 % of the
-iterations). noisyopt keeps to the box; qiskit knows no box, so its result is projected onto it before it is judged.
-The loss is a matrix-vector product by numpy or by scipy's sparse matrix, whichever is faster on this machine. Times are
-processor times, as ours are.
+Both have the settings of spsa-2008: the same start and iterations, exponents 0.602 and 0.101, and perturbation E2. The
+gain a is calibrated to the same mean first step, 0.003 E2, with the A of each (noisyopt's is fixed at 1 % of the
+iterations). noisyopt respects the bounds; qiskit has none, so its result is projected onto the box before it is
+evaluated. The loss is a matrix-vector product by numpy or by scipy's sparse matrix, whichever is faster on this
+machine. Times are processor times.
 
 Prints {"version", "peer", "iteration_us", "rel_loss", "loss_us", "loss_by"} as one line of JSON.
 Sample run: build/venv/bin/python tests/bench/peer_spsa.py noisyopt build/bench/losses.json 3
@@ -27,7 +27,7 @@ ALPHA, GAMMA, FIRST_STEP, ESTIMATES = 0.602, 0.101, 0.003, 10  # as in lib/train
 
 
 def losses(s):
-    """The loss of one set, as functions by name."""
+    """The loss of one spring set, as a function by numpy and one by scipy."""
     target = np.array(s["target"])
     sparse = scipy.sparse.csr_array((s["value"], (s["row"], s["column"])), shape=(len(target), len(s["start"])))
     dense = np.ascontiguousarray(sparse.toarray())
@@ -42,7 +42,7 @@ def losses(s):
 
 
 def evaluation_us(loss, theta, calls=200):
-    """Median over ten batches."""
+    """Time of one evaluation [us], median over ten batches."""
     times = []
     for _ in range(10):
         begin = time.process_time()
@@ -53,7 +53,7 @@ def evaluation_us(loss, theta, calls=200):
 
 
 def calibrated(loss, start, c, unit, A, rng):
-    """a with a mean first step of FIRST_STEP E2."""
+    """The gain a for a mean first step of FIRST_STEP E2."""
     slopes = []
     for _ in range(ESTIMATES):
         delta = rng.choice([-1.0, 1.0], size=len(start))

@@ -1,5 +1,5 @@
-"""results/bench.json has what it promises: test_bench.py [FILE]. Run by `make bench` after it was written; no time is
-judged here. Prints "ok - sentence" or "not ok - sentence: measured vs wanted"; exits 1 if any failed."""
+"""The format of results/bench.json: test_bench.py [FILE]. `make bench` runs it after it has written the file; times are
+not judged. Prints "ok - sentence" or "not ok - sentence: measured vs wanted"; exits 1 if any failed."""
 import json
 import math
 import sys
@@ -11,7 +11,7 @@ failed = 0
 
 
 def check(sentence, wrong):
-    """wrong: what breaks the sentence, a list of words."""
+    """wrong: list of the entries that contradict the sentence."""
     global failed
     failed += bool(wrong)
     print(f"ok - {sentence}" if not wrong else f"not ok - {sentence}: {'; '.join(wrong[:5])} vs none")
@@ -27,28 +27,28 @@ def main():
     if not isinstance(entries, list) or not all(isinstance(e, dict) for e in entries):
         check("bench.json is a list of entries", [f"a {type(entries).__name__} or other things in it"])
         return 1
-    check("bench.json is a list of entries, not empty", [] if entries else ["nothing in it"])
+    check("bench.json is a list with at least one entry", [] if entries else ["nothing in it"])
     odd = [str(e.get("name")) for e in entries if list(e) != KEYS]
-    check("every entry has the promised keys and no other, in order", odd)
+    check("every entry has exactly the documented keys in order", odd)
     if odd:
         return 1
     names = [e["name"] for e in entries]
     check("no two entries have the same name", sorted({n for n in names if names.count(n) > 1}))
-    check("names and units are words", [str(e["name"]) for e in entries
+    check("names and units are texts that are not empty", [str(e["name"]) for e in entries
                                         if not all(isinstance(e[k], str) and e[k] for k in ("name", "unit"))])
-    check("median and p95 are numbers, in this order, of n > 0 samples",
+    check("median and p95 are finite, 0 <= median <= p95, and n > 0",
           [e["name"] for e in entries if not (is_number(e["median"]) and is_number(e["p95"])
                                               and 0 <= e["median"] <= e["p95"]
                                               and isinstance(e["n"], int) and e["n"] > 0)])
     mixed = [e["name"] for e in entries if len({e[k] is None for k in PEER}) > 1]
-    check("the peer fields are all there or all null", mixed)
+    check("the peer fields are all present or all null", mixed)
     check("ratio is our median over the peer's",
           [e["name"] for e in entries if e["ratio"] is not None and e["name"] not in mixed
            and not math.isclose(e["ratio"] * e["peer_median"], e["median"], rel_tol=1e-9)])
     exponents = [e for e in entries if ", exponent in " in e["name"]]
     check("an exponent is fitted to four sizes or more", [e["name"] for e in exponents if e["n"] < 4])
     in_space = [e["name"] for e in exponents if "in space" in e["name"]]
-    check("where costs are given as they grow, training in space has its own in nodes, springs and paths",
+    check("if there are exponents, training in space has one each in nodes, springs and paths",
           [f"{of} without one" for of in ("nodes", "springs", "paths")
            if exponents and not any(name.endswith(f"exponent in {of}") for name in in_space)])
     return 1 if failed else 0

@@ -41,7 +41,7 @@ Cases hand_cases() {
     return cases;
 }
 
-/// In space, a path of one disc to train on and one of two that proves.
+/// In space: a training path with one disc and a test path with two discs.
 Cases pair_cases() {
     Cases cases;
     cases.study = "pairs";
@@ -68,7 +68,7 @@ Cases pair_cases() {
 
 }  // namespace
 
-TEST_CASE("load cases, changed in any one dataset in any way, are refused in one line or load as others that are well") {
+TEST_CASE("load cases with one altered dataset are refused in one line or are valid") {
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.h5"), file = folder.file("cases.h5");
     for (const Cases& cases : {fe_cases(), shape_cases(), hand_cases(), pair_cases()}) {
@@ -77,7 +77,7 @@ TEST_CASE("load cases, changed in any one dataset in any way, are refused in one
         const auto found = datasets_of(whole, table);
         REQUIRE(found.size() == Hdf5Reader(whole, "cases").datasets().size());
         int refused = 0;
-        const auto of_another_path = [&](const std::string& dataset) {  // those of the first and the last are alike
+        const auto of_another_path = [&](const std::string& dataset) {  // only the first and the last path are altered
             return dataset.rfind("/paths/", 0) == 0 && dataset.find("/" + cases.paths.front().name + "/") == std::string::npos &&
                    dataset.find("/" + cases.paths.back().name + "/") == std::string::npos;
         };
@@ -103,7 +103,7 @@ TEST_CASE("load cases, changed in any one dataset in any way, are refused in one
     }
 }
 
-TEST_CASE("load cases of pushes longer than their tissue are refused by path") {
+TEST_CASE("a tool displacement larger than the tissue is refused by path") {
     const TemporaryFolder folder;
     const std::string file = folder.file("cases.h5");
     for (Cases cases : {fe_cases(), hand_cases()}) {
@@ -113,7 +113,7 @@ TEST_CASE("load cases of pushes longer than their tissue are refused by path") {
     }
 }
 
-TEST_CASE("a shape in cases whose triangles run clockwise, or are two pieces, is refused by name") {
+TEST_CASE("a shape in cases with a clockwise triangle or a hole is refused by dataset") {
     const TemporaryFolder folder;
     const auto said = [&](const Cases& cases) {
         write_cases(folder.file("cases.h5"), cases, {"tissuectl test", 0, {}});
@@ -127,10 +127,10 @@ TEST_CASE("a shape in cases whose triangles run clockwise, or are two pieces, is
     CHECK(said(shape_cases()) == "read");
     Cases turned = shape_cases();
     turned.shape->simplices.col(0).swap(turned.shape->simplices.col(1));
-    CHECK_THAT(said(turned), Contains("cases.h5: /shape/triangles: triangle 0 runs clockwise"));
+    CHECK_THAT(said(turned), Contains("cases.h5: /shape/triangles: triangle 0 is clockwise"));
     Cases holed = shape_cases();
     for (Eigen::Index t = 0; t < holed.shape->simplices.rows(); ++t)
-        if ((holed.shape->simplices.row(t).array() == 12).any()) {  // the middle node's
+        if ((holed.shape->simplices.row(t).array() == 12).any()) {  // a triangle at the middle node
             holed.shape->simplices.row(t) = holed.shape->simplices.row(holed.shape->simplices.rows() - 1).eval();
             holed.shape->simplices.conservativeResize(holed.shape->simplices.rows() - 1, 3);
             holed.shape->region.pop_back();

@@ -1,4 +1,4 @@
-#include "cases/course.h"
+#include "cases/trajectory.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,7 +14,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Steps between ends that begin at 0.
+/// Lengths of the steps with these ends; the first step begins at 0.
 std::vector<double> lengths(const std::vector<double>& ends) {
     std::vector<double> steps;
     double before = 0;
@@ -30,43 +30,43 @@ double longest(const std::vector<double>& ends) {
     return *std::max_element(steps.begin(), steps.end());
 }
 
-constexpr double a_little = 1 + 1e-9;  // of a step: rounding
+constexpr double a_little = 1 + 1e-9;  // factor for the rounding of a step length
 
 std::string said(const std::string& text) {
     const TemporaryFolder folder;
     return refusal<FileError>([&] { read_course(folder.file("hand.csv", text), 2); });
 }
 
-Course read(const std::string& text) {
+Trajectory read(const std::string& text) {
     const TemporaryFolder folder;
     return read_course(folder.file("hand.csv", text), 2);
 }
 
 }  // namespace
 
-TEST_CASE("a course is read as people write it", "[histories]") {
+TEST_CASE("a displacement history file may have a byte order mark and comments and quotes and semicolons", "[histories]") {
     const std::string plain = "time_s,x_m,y_m\n0,0,0\n0.1,0,-0.003\n0.2,0,-0.004\n";
-    const Course course = read(plain);
+    const Trajectory course = read(plain);
     for (const std::string& text : {std::string("\xef\xbb\xbf") + plain, std::string("# by hand\n\"time_s\"; x_m ;y_m\r\n0;0;0\r\n\r\n0.1;0; -0.003 \r\n0.2;+0;-0.004\r\n\r\n")}) {
-        const Course other = read(text);
+        const Trajectory other = read(text);
         CHECK(other.time_s == course.time_s);
         CHECK(other.push_m == course.push_m);
     }
     CHECK_THAT(said("time_s,x_m\n0,0\n"), Contains("hand.csv:1: must begin with the header time_s,x_m,y_m"));
 }
 
-TEST_CASE("a stroke begins and ends without velocity or acceleration, and never goes back", "[histories]") {
+TEST_CASE("a ramp starts and ends with zero velocity and acceleration and is monotonic", "[histories]") {
     CHECK(minimum_jerk(0) == 0);
     CHECK(minimum_jerk(1) == Approx(1).epsilon(tolerance::rounding));
     CHECK(minimum_jerk(0.5) == Approx(0.5).epsilon(tolerance::rounding));
-    for (const double h : {1e-2, 1e-3}) {  // 10 h^3 is left where both vanish
+    for (const double h : {1e-2, 1e-3}) {  // 10 h^3 remains if both vanish
         CHECK(minimum_jerk(h) < 10 * h * h * h);
         CHECK(1 - minimum_jerk(1 - h) < 10 * h * h * h * a_little);
     }
     for (int k = 0; k < 100; ++k) CHECK(minimum_jerk((k + 1) / 100.0) > minimum_jerk(k / 100.0));
 }
 
-TEST_CASE("a stroke has 40 steps at least, none longer than 20 ms, and ends when it should", "[histories]") {
+TEST_CASE("a ramp has at least 40 steps of at most 20 ms and ends at its time", "[histories]") {
     CHECK(stroke_steps(0.01).size() == 40);
     CHECK(stroke_steps(0.8).size() == 40);
     CHECK(stroke_steps(1).size() == 50);
@@ -77,7 +77,7 @@ TEST_CASE("a stroke has 40 steps at least, none longer than 20 ms, and ends when
     }
 }
 
-TEST_CASE("after a stroke steps begin as within it and grow by 1.04, up to 4 ms after a quick one and 20 ms after a slow, to the very end of the rest", "[histories]") {
+TEST_CASE("steps of a hold start as in the ramp and grow by 1.04 up to their limit", "[histories]") {
     for (const double first : {0.001, 0.004, 0.010})
         for (const double time : {0.0005, 0.05, 0.3, 2.0}) {
             const std::vector<double> ends = rest_steps(first, time), steps = lengths(ends);
@@ -89,12 +89,12 @@ TEST_CASE("after a stroke steps begin as within it and grow by 1.04, up to 4 ms 
                 CHECK(steps[k] >= steps[k - 1] / a_little / a_little);
             }
         }
-    CHECK(rest_steps(0.01, 2.0).size() < 2.0 / 0.01);  // they do grow
+    CHECK(rest_steps(0.01, 2.0).size() < 2.0 / 0.01);  // steps have grown
     CHECK(longest(rest_steps(0.05, 2.0)) <= 0.020 * a_little);
     CHECK(rest_steps(0.01, 0).empty());
 }
 
-TEST_CASE("a sine has 60 steps a period at least, none longer than 10 ms", "[histories]") {
+TEST_CASE("a sine has at least 60 steps a period of at most 10 ms each", "[histories]") {
     CHECK(sine_steps(2, 0.5).size() == 60);
     CHECK(sine_steps(2, 1.5).size() == 180);
     CHECK(sine_steps(0.5, 2).size() == 200);
@@ -102,8 +102,8 @@ TEST_CASE("a sine has 60 steps a period at least, none longer than 10 ms", "[his
     CHECK(longest(sine_steps(0.7, 1.234)) <= 0.010 * a_little);
 }
 
-TEST_CASE("strokes, rests and letting go follow each other without a gap, and where the tool is away it is nowhere", "[histories]") {
-    CourseMaker maker(2);
+TEST_CASE("ramps and holds follow each other without gaps and displacement is zero while the tool is away", "[histories]") {
+    TrajectoryBuilder maker(2);
     const Point deep = Eigen::Vector2d(0.003, -0.004);
     maker.stroke(deep, 0.1);
     maker.hold(0.2);
@@ -111,7 +111,7 @@ TEST_CASE("strokes, rests and letting go follow each other without a gap, and wh
     maker.touch(2);
     maker.stroke(Eigen::Vector2d(0, -0.005), 0.1);
     maker.hold(0.05);
-    const Course course = maker.course();
+    const Trajectory course = maker.course();
     const Eigen::Index T = course.time_s.size();
     REQUIRE(course.push_m.rows() == T);
     REQUIRE(course.contact.size() == static_cast<std::size_t>(T));
@@ -135,10 +135,10 @@ TEST_CASE("strokes, rests and letting go follow each other without a gap, and wh
     CHECK(course.push_m(T - 1, 1) == -0.005);
 }
 
-TEST_CASE("a sine goes from rest to its depth and back, once a period", "[histories]") {
-    CourseMaker maker(2);
+TEST_CASE("a sine moves from rest to its depth and back once a period", "[histories]") {
+    TrajectoryBuilder maker(2);
     maker.sine(Eigen::Vector2d(0, -0.004), 2, 1);
-    const Course course = maker.course();
+    const Trajectory course = maker.course();
     for (Eigen::Index t = 0; t < course.time_s.size(); ++t) {
         const double part = (1 - std::cos(4 * 3.14159265358979323846 * course.time_s[t])) / 2;
         CHECK(course.push_m(t, 1) == Approx(-0.004 * part).margin(tolerance::rounding));
@@ -146,12 +146,12 @@ TEST_CASE("a sine goes from rest to its depth and back, once a period", "[histor
     CHECK(course.depth_m() == Approx(0.004).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("a course of one's own is straight between its rows, in steps of 2 to 10 ms", "[histories]") {
-    const Course course = read("time_s,x_m,y_m\n0,0,0\n0.0004,0,-0.0001\n0.0042,0,-0.001\n0.0342,0.003,-0.001\n0.0344,0.003,-0.001\n");
+TEST_CASE("a displacement history file is linear between its rows and steps are at most 10 ms", "[histories]") {
+    const Trajectory course = read("time_s,x_m,y_m\n0,0,0\n0.0004,0,-0.0001\n0.0042,0,-0.001\n0.0342,0.003,-0.001\n0.0344,0.003,-0.001\n");
     const Eigen::Index T = course.time_s.size();
     CHECK(course.time_s[0] == 0);
-    CHECK(course.time_s[1] == 0.0042);  // one row is passed over
-    CHECK(course.time_s[T - 1] == 0.0344);  // the last never is
+    CHECK(course.time_s[1] == 0.0042);  // a row within 2 ms of the last one used is left out
+    CHECK(course.time_s[T - 1] == 0.0344);  // the last row is always used
     CHECK(T == 6);
     CHECK(course.time_s[2] == Approx(0.0142).epsilon(tolerance::rounding));
     CHECK(course.push_m(2, 0) == Approx(0.001).epsilon(tolerance::rounding));
@@ -159,7 +159,7 @@ TEST_CASE("a course of one's own is straight between its rows, in steps of 2 to 
     CHECK(course.contact == std::vector<int>(6, 1));
 }
 
-TEST_CASE("a course that cannot be is refused with file, line and cause", "[histories]") {
+TEST_CASE("an invalid displacement history file is refused with its line and cause", "[histories]") {
     CHECK_THAT(said(""), Contains("hand.csv:") && Contains("time_s,x_m,y_m"));
     CHECK_THAT(said("time_s,x_m,y_m,z_m\n0,0,0,0\n"), Contains("hand.csv:1: ") && Contains("header"));
     CHECK_THAT(said("time_s,x_m,y_m\n0,0\n"), Contains("hand.csv:2: has 2 fields"));
@@ -169,15 +169,15 @@ TEST_CASE("a course that cannot be is refused with file, line and cause", "[hist
     CHECK_THAT(said("time_s,x_m,y_m\n0,0,0\n0.1,0,0.001\n0.1,0,0\n"), Contains("hand.csv:4: ") && Contains("not later"));
     CHECK_THAT(said("time_s,x_m,y_m\n0,0,0\n0.1,0,0.001\n0.05,0,0\n"), Contains("hand.csv:4: ") && Contains("not later"));
     CHECK_THAT(said("time_s,x_m,y_m\n0,0,0\n"), Contains("two rows"));
-    CHECK_THAT(said("time_s,x_m,y_m\n0,0,0\n1,0,0\n"), Contains("never leaves"));
+    CHECK_THAT(said("time_s,x_m,y_m\n0,0,0\n1,0,0\n"), Contains("never moves"));
 }
 
-TEST_CASE("the course's text has a line a step, whose numbers read back to the same bits", "[histories]") {
-    CourseMaker maker(3);
+TEST_CASE("the text of a displacement history has one line per step and gives the same bits", "[histories]") {
+    TrajectoryBuilder maker(3);
     maker.stroke(Eigen::Vector3d(0.001, 1.0 / 3e3, -0.004), 1.0 / 7);
     maker.away(0.01);
-    const Course course = maker.course();
-    std::istringstream text(course_text(course));
+    const Trajectory course = maker.course();
+    std::istringstream text(trajectory_text(course));
     std::string line;
     for (Eigen::Index t = 0; t < course.time_s.size(); ++t) {
         REQUIRE(std::getline(text, line));

@@ -27,7 +27,7 @@ Study mini() {
     return read_study("fem/studies/relax-mini.toml");
 }
 
-/// The committed study with more courses of each group.
+/// The committed study with 40 histories in each group.
 Study many() {
     Study study = mini();
     for (Study::Histories& group : study.histories) group.count = 40;
@@ -44,7 +44,7 @@ const Study::Histories& group_of(const Study& study, const PlannedHistory& histo
     throw std::logic_error("no such group");
 }
 
-/// The solid example, that relaxes, with two ramps and two pokes.
+/// The solid example with tissue that relaxes, two histories of kind `ramp` and two of kind `poke`.
 Study solid() {
     const std::string place = "count = 2\ndepth_m = [0.001, 0.002]\ntilt_deg = [0, 30]\nclearance_m = [0.02, 0.04]\nrise_s = [0.05, 0.5]\n";
     return example_study(with(solid_study_text(), "C2_Pa = 491.0", "C2_Pa = 491.0\nviscosity = [{ g = 0.4, tau_s = 0.5 }]\nmoduli = \"instantaneous\"") +
@@ -54,7 +54,7 @@ Study solid() {
 
 }  // namespace
 
-TEST_CASE("every course has a name, a contact on the surface and times that ascend from rest", "[histories]") {
+TEST_CASE("planned histories have unique names and surface contacts and start at rest with ascending times", "[histories]") {
     const Study study = many();
     const auto histories = planned_histories(study);
     REQUIRE(histories.size() == 40 * study.histories.size());
@@ -65,7 +65,7 @@ TEST_CASE("every course has a name, a contact on the surface and times that asce
         const double arc = outline().arc_of(h.push.contact_m);
         CHECK((outline().position(arc) - h.push.contact_m).norm() < tolerance::rounding);
         CHECK(h.push.direction.norm() == Approx(1).epsilon(tolerance::rounding));
-        const Course& c = h.course;
+        const Trajectory& c = h.course;
         REQUIRE(c.push_m.rows() == c.time_s.size());
         CHECK(c.time_s[0] == 0);
         CHECK(c.push_m.row(0).norm() == 0);
@@ -104,7 +104,7 @@ TEST_CASE("contacts of histories are at least 2 mm or 5 degrees from every train
     }
 }
 
-TEST_CASE("courses are drawn by their group's seed, whatever other groups draw", "[histories]") {
+TEST_CASE("histories depend on the seed of their own group and not on other groups", "[histories]") {
     const Study study = mini();
     Study other = study, more = study;
     other.histories[0].seed += 1000;
@@ -122,7 +122,7 @@ TEST_CASE("courses are drawn by their group's seed, whatever other groups draw",
     }
 }
 
-TEST_CASE("a ramp goes in and stays; a release comes back in the time it took to go in", "[histories]") {
+TEST_CASE("a ramp follows minimum jerk and holds; a release returns in the time of its ramp", "[histories]") {
     const Study study = many();
     for (const PlannedHistory& h : planned_histories(study)) {
         if (h.kind != "ramp" && h.kind != "release") continue;
@@ -141,7 +141,7 @@ TEST_CASE("a ramp goes in and stays; a release comes back in the time it took to
     }
 }
 
-TEST_CASE("pokes go on without rest until their time is over, each stroke its own way within the wander", "[histories]") {
+TEST_CASE("a history of kind poke never rests and ends within its wander angle and one rise time", "[histories]") {
     const Study study = many();
     for (const PlannedHistory& h : planned_histories(study)) {
         if (h.kind != "poke") continue;
@@ -150,7 +150,7 @@ TEST_CASE("pokes go on without rest until their time is over, each stroke its ow
         const double end_s = h.course.time_s[h.course.time_s.size() - 1];
         CHECK(end_s >= group.duration_s);
         CHECK(end_s < group.duration_s + group.rise_s[1]);
-        // a stroke's end: the turns of the way there, where it stands for an instant
+        // no rest: consecutive displacements differ
         for (Eigen::Index t = 0; t + 1 < h.course.time_s.size(); ++t) CHECK(h.course.push_m.row(t) != h.course.push_m.row(t + 1));
         const Point last = h.course.push_m.row(h.course.time_s.size() - 1).transpose();
         CHECK(std::acos(std::clamp(last.normalized().dot(h.push.direction), -1.0, 1.0)) <= group.wander_deg * degree + 1e-9);
@@ -158,7 +158,7 @@ TEST_CASE("pokes go on without rest until their time is over, each stroke its ow
     }
 }
 
-TEST_CASE("a second touch is where it should be, after 0.8 s away; or where the first was", "[histories]") {
+TEST_CASE("a second contact lies at its distance or at the first contact after 0.8 s without contact", "[histories]") {
     Study study = many();
     const auto check = [&](bool elsewhere) {
         for (const PlannedHistory& h : planned_histories(study)) {
@@ -182,16 +182,17 @@ TEST_CASE("a second touch is where it should be, after 0.8 s away; or where the 
     study.histories.back().apart_m = 0;
     check(false);
     study.histories.back().apart_m = 0.9;
-    CHECK_THAT(refusal<MismatchError>([&] { planned_histories(study); }), Contains("histories 'again'") && Contains("no room"));
+    CHECK_THAT(refusal<MismatchError>([&] { planned_histories(study); }), Contains("histories 'again'") && Contains("no space"));
 }
 
-TEST_CASE("the plan solves every course on tissue that relaxes and on tissue that does not, from one file", "[histories]") {
+TEST_CASE("the plan solves histories in permanent contact on relaxing and on elastic tissue from one displacement file", "[histories]") {
     const Study study = mini();
     const Plan plan = make_plan(study);
     const std::string& again = plan.parts.at("path-again-0001");
     for (const char* argument : {" -history history-again-0001", " -density 1040", " -second_x ", " -second_y ", " -C1 263", " -records 1 ", " -allow_lost 1"})
         CHECK_THAT(again, Contains(argument));
-    CHECK(plan.parts.count("path-again-0001-elastic") == 0);  // a tool that lands again goes another way on elastic tissue
+    // after time without contact the displacement would differ on elastic tissue
+    CHECK(plan.parts.count("path-again-0001-elastic") == 0);
     const std::string& relaxes = plan.parts.at("path-ramp-0001");
     const std::string& elastic = plan.parts.at("path-ramp-0001-elastic");
     CHECK_THAT(relaxes, Contains(" -branches 3 -g1 0.3 -tau1 0.05 -g2 0.25 -tau2 1 -g3 0.2 -tau3 10"));
@@ -206,7 +207,7 @@ TEST_CASE("the plan solves every course on tissue that relaxes and on tissue tha
     CHECK_THAT(plan.parts.at("collect"), Contains("history ramp held_out ramp-0001\n") && Contains("history poke validation poke-0001\n"));
 }
 
-TEST_CASE("tissue that does not relax moves once, and a study without histories has the plan it had", "[histories]") {
+TEST_CASE("elastic tissue has one solve per history and a study without histories plans none", "[histories]") {
     Study study = mini();
     study.material.viscosity.clear();
     study.material.share.clear();
@@ -217,13 +218,13 @@ TEST_CASE("tissue that does not relax moves once, and a study without histories 
     for (const auto& [name, text] : make_plan(read_study("fem/studies/surface-quick.toml")).parts) CHECK_THAT(text, !Contains("histor") && !Contains("relaxes"));
 }
 
-TEST_CASE("a group whose courses are named as load paths is refused when it is planned", "[histories]") {
+TEST_CASE("a history group whose histories have names of load paths is refused in planning", "[histories]") {
     Study study = mini();
     study.histories[0].name = "held-out";
     CHECK_THAT(refusal<StudyError>([&] { make_plan(study); }), Contains("relax-mini.toml: key 'histories': 'held-out-0001'"));
 }
 
-TEST_CASE("courses in space are drawn as pushes there are, and a nodule relaxes by its own shares", "[histories]") {
+TEST_CASE("histories in space keep their tilt and clearance and a nodule has its own relative moduli", "[histories]") {
     const Study study = solid();
     const auto histories = planned_histories(study);
     REQUIRE(histories.size() == 4);
@@ -244,7 +245,7 @@ TEST_CASE("courses in space are drawn as pushes there are, and a nodule relaxes 
     CHECK_THAT(plan.fragment, Contains("poke-0001.csv: $(R)/plan/path-poke-0001 $(R)/plan/history-poke-0001 scripts/run_gmsh fem/block3.geo"));
 }
 
-TEST_CASE("a course of one's own is planned at its contact, towards its deepest place, and planned anew when its file changes", "[histories]") {
+TEST_CASE("a file history has the given contact and the direction of its largest displacement; the plan depends on the file", "[histories]") {
     const TemporaryFolder folder;
     folder.file("hand.csv", "time_s,x_m,y_m\n0,0,0\n0.05,0,-0.002\n0.1,0.003,-0.004\n0.2,0,0\n");
     const std::string text = "based_on = \"" + (std::filesystem::current_path() / "fem/studies/surface-quick").string() +
@@ -261,7 +262,7 @@ TEST_CASE("a course of one's own is planned at its contact, towards its deepest 
     CHECK_THAT(refusal<FileError>([&] { make_plan(study); }), Contains("hand.csv:2: "));
 }
 
-TEST_CASE("a course of one's own on a solid shape begins on its surface; off it, or near where it ends, it is refused with how far that is", "[histories]") {
+TEST_CASE("the contact of a file history moves to a solid's surface; far off or near an edge it is refused", "[histories]") {
     const TemporaryFolder folder;
     folder.file("dome.geo", "");
     folder.file("hand.csv", "time_s,x_m,y_m,z_m\n0,0,0,0\n0.1,0,0,-0.004\n0.2,0,0,0\n");
@@ -274,5 +275,5 @@ TEST_CASE("a course of one's own on a solid shape begins on its surface; off it,
     CHECK((contact_m - Eigen::Vector3d(0, 0, 0.05)).norm() < 1e-4);
     const auto refused = [&](const std::string& where) { return refusal<StudyError>([&] { histories(where); }); };
     CHECK_THAT(refused("[0.0, 0.0, 0.08]"), Contains("key 'contact_m' of ") && Contains(": is 30 mm off the free surface"));
-    CHECK_THAT(refused("[0.05, 0.0, 0.003]"), Contains(" mm from where the surface ends or turns; a disc needs "));
+    CHECK_THAT(refused("[0.05, 0.0, 0.003]"), Contains(" mm from where the free surface ends or turns; a disc needs "));
 }

@@ -18,7 +18,7 @@ const NodeField& corners() {
     return nodes;
 }
 
-/// A path of two records as FreeFEM writes it, its nodes in an order of their own. Line numbers from 1.
+/// FreeFEM's CSV of a load path with two records, whose nodes have another order than the mesh's. Line numbers from 1.
 const std::string& csv() {
     static const std::string text =
         "tissuectl load path,1\n"                                                      // 1
@@ -50,7 +50,7 @@ Cases example() {
 
 }  // namespace
 
-TEST_CASE("a path's rows go to their nodes, whatever FreeFEM's order") {
+TEST_CASE("rows of a load path are assigned to nodes by position and not by order") {
     const TemporaryFolder folder;
     const LoadPath path = read_path_csv(folder.file("left.csv", csv()), corners());
     REQUIRE(path.records.size() == 2);
@@ -63,12 +63,12 @@ TEST_CASE("a path's rows go to their nodes, whatever FreeFEM's order") {
     CHECK(r.newton_iterations == 4);
     CHECK(r.newton_residual == 3e-11);
     CHECK(r.displacement.row(3) == Eigen::RowVector2d(0.1, -0.2));
-    CHECK(r.displacement(2, 0) == 0.30000000000000004);  // 17 digits read back to the same bits
+    CHECK(r.displacement(2, 0) == 0.30000000000000004);  // 17 digits give the same bits
     CHECK(r.force.row(1) == Eigen::RowVector2d(-0.375, -0.25));
     CHECK(path.records[0].displacement.norm() == 0);
 }
 
-TEST_CASE("a path of two discs has the second's force at the end of its steps, and is read as such alone") {
+TEST_CASE("a two-disc path has the force of the second disc and the number of discs must match") {
     const TemporaryFolder folder;
     const std::string two = with(with(with(csv(), "path,1", "path,2"), "1,0,0\n", "1,0,0,0,0\n"), ",3e-11", ",3e-11,-0.5,0.125");
     const LoadPath path = read_path_csv(folder.file("two.csv", two), corners(), true);
@@ -76,15 +76,15 @@ TEST_CASE("a path of two discs has the second's force at the end of its steps, a
     CHECK(path.records[1].second_force_N == Eigen::Vector2d(-0.5, 0.125));
     CHECK(path.records[1].newton_residual == 3e-11);
     CHECK(path.records[0].second_force_N == Eigen::Vector2d(0, 0));
-    CHECK_THAT(said(two), Contains("left.csv:1: is of two discs, and the path has one"));
+    CHECK_THAT(said(two), Contains("left.csv:1: has two discs, and the path has one"));
     const auto said_of_two = [&](const std::string& text) { return refusal<FileError>([&] { read_path_csv(folder.file("bad.csv", text), corners(), true); }); };
-    CHECK_THAT(said_of_two(csv()), Contains("bad.csv:1: is of one disc, and the path has two"));
+    CHECK_THAT(said_of_two(csv()), Contains("bad.csv:1: has one disc, and the path has two"));
     CHECK_THAT(said_of_two(with(two, ",-0.5,0.125", "")), Contains("bad.csv:7: has 11 fields"));
     CHECK_THAT(said_of_two(with(two, "-0.5,0.125", "-0.5,nan")), Contains("bad.csv:7: field 13"));
     CHECK_THAT(said_of_two(with(two, "path,2", "path,3")), Contains("another format version"));
 }
 
-TEST_CASE("a number that is none is refused with file, line and field") {
+TEST_CASE("a load path with a field that is no finite number is refused with its place") {
     for (const char* bad : {"nan", "inf", "-inf", "", "0.1x", " 0.1", "1e999"}) {
         INFO(bad);
         CHECK_THAT(said(with(csv(), "node,1,1,0.1,", std::string("node,1,1,") + bad + ",")),
@@ -93,19 +93,19 @@ TEST_CASE("a number that is none is refused with file, line and field") {
     CHECK_THAT(said(with(csv(), "step,1,0.01,", "step,1,nan,")), Contains("left.csv:7: field 3"));
 }
 
-TEST_CASE("a missing node row is refused at the record's end, the last record's too") {
+TEST_CASE("a record with a missing node row is refused at its end") {
     CHECK_THAT(said(with(csv(), "node,1,0,0,0,0,0\n", "")), Contains("left.csv:6") && Contains("3 of 4 nodes"));
     CHECK_THAT(said(with(csv(), "node,1,0,0,0,-0.375,-0.25\n", "")), Contains("left.csv:11") && Contains("3 of 4"));
 }
 
-TEST_CASE("a node that stands twice, or off the lattice, is refused with its line") {
+TEST_CASE("a node row that is repeated or off the lattice is refused with its line") {
     CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "node,1,1,0,0,-0.125,0")),
                Contains("left.csv:9") && Contains("twice"));
     CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "node,0.5,0,0,0,-0.125,0")),
                Contains("left.csv:9") && Contains("no lattice node"));
 }
 
-TEST_CASE("a path cut off anywhere is refused") {
+TEST_CASE("a load path truncated at any byte is refused") {
     for (std::size_t size = 0; size + 1 < csv().size(); ++size) {  // the last line break may be missing
         INFO(size);
         CHECK_THAT(said(csv().substr(0, size)), Contains("left.csv:"));
@@ -113,20 +113,20 @@ TEST_CASE("a path cut off anywhere is refused") {
     CHECK_THAT(said(csv().substr(0, csv().find("end"))), Contains("truncated"));
 }
 
-TEST_CASE("a record that is missing as a whole is refused") {
+TEST_CASE("a missing record and a node row before any record are refused") {
     const std::string text = csv();
     const std::size_t second = text.find("step,1");
     CHECK_THAT(said(text.substr(0, second) + "end,2\n"), Contains("records are missing"));
     CHECK_THAT(said("tissuectl load path,1\nnode,0,0,0,0,0,0\nend,0\n"), Contains("left.csv:2"));
 }
 
-TEST_CASE("magnitudes that do not ascend are refused") {
+TEST_CASE("load path magnitudes that do not ascend are refused") {
     CHECK_THAT(said(with(csv(), "step,1,0.01,", "step,1,0,")), Contains("left.csv:7") && Contains("ascend"));
     CHECK_THAT(said(with(csv(), "step,1,0.01,", "step,1,-0.01,")), Contains("ascend"));
 }
 
-TEST_CASE("a foreign file, another version and unknown rows are refused") {
-    CHECK_THAT(said("x,y\n1,2\n"), Contains("left.csv:1") && Contains("not a load path"));
+TEST_CASE("a foreign file and another format version and malformed rows of a load path are refused") {
+    CHECK_THAT(said("x,y\n1,2\n"), Contains("left.csv:1") && Contains("not a tissuectl load path"));
     CHECK_THAT(said(with(csv(), "load path,1", "load path,3")), Contains("left.csv:1") && Contains("version"));
     CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "edge,0,0,0,0,-0.125,0")), Contains("left.csv:9"));
     CHECK_THAT(said(with(csv(), "node,0,0,0,0,-0.125,0", "node,0,0,0,0,-0.125")),
@@ -134,17 +134,17 @@ TEST_CASE("a foreign file, another version and unknown rows are refused") {
     CHECK_THAT(said(with(csv(), "4,3e-11", "4")), Contains("left.csv:7") && Contains("10 fields"));
 }
 
-TEST_CASE("rows after the end are refused: the end row counts all records") {
+TEST_CASE("rows after the end row of a load path are refused") {
     CHECK_THAT(said(csv() + "step,2,0.02,0,0,0,0,0,1,0,0\n"), Contains("left.csv:13") && Contains("end row"));
     CHECK_THAT(said(csv() + csv()), Contains("left.csv:13") && Contains("end row"));
 }
 
-TEST_CASE("a path that is not there is refused by name") {
+TEST_CASE("a missing load path file is refused by name") {
     const TemporaryFolder folder;
     CHECK_THAT(refusal<FileError>([&] { read_path_csv(folder.file("none.csv"), corners()); }), Contains("none.csv"));
 }
 
-TEST_CASE("cases come back from HDF5 with the same bits") {
+TEST_CASE("cases are read back from HDF5 bit for bit") {
     const Cases before = example(), after = written_and_read(before);
     CHECK(after.study == before.study);
     CHECK(after.nodes == before.nodes);
@@ -170,7 +170,7 @@ TEST_CASE("cases come back from HDF5 with the same bits") {
     }
 }
 
-TEST_CASE("every dataset of cases.h5 has units of the kind it should and a description") {
+TEST_CASE("datasets of a load path in cases.h5 have their units and a description") {
     const TemporaryFolder folder;
     write_cases(folder.file("cases.h5"), example(), {"tissuectl test", 0, {}});
     const Hdf5Reader in(folder.file("cases.h5"), "cases");
@@ -189,7 +189,7 @@ TEST_CASE("every dataset of cases.h5 has units of the kind it should and a descr
         CHECK_FALSE(in.text_attribute("/paths/left/" + name, "description").empty());
 }
 
-TEST_CASE("load cases are every path at every magnitude, path by path") {
+TEST_CASE("load cases are all paths at all magnitudes in the order of paths") {
     const Cases cases = example();
     std::vector<std::string> names;
     for (const LoadCase& load : load_cases(cases)) {
@@ -199,7 +199,7 @@ TEST_CASE("load cases are every path at every magnitude, path by path") {
     CHECK(names == std::vector<std::string>{"left-4mm", "left-8mm", "corner-4mm", "corner-8mm"});
 }
 
-TEST_CASE("load cases of magnitudes that differ little have names of their own, the shortest that do") {
+TEST_CASE("load cases with nearly equal magnitudes get the shortest distinct names") {
     Cases measured;
     measured.measurement.emplace();
     LoadPath path;
@@ -222,12 +222,12 @@ TEST_CASE("load cases of magnitudes that differ little have names of their own, 
     CHECK(names == std::vector<std::string>{"s012500-p00000-12.34561mm", "s012500-p00000-12.34562mm"});
 }
 
-TEST_CASE("a file in which a path's name stands twice is refused") {
+TEST_CASE("a cases file with a repeated path name is refused") {
     const TemporaryFolder folder;
     Hdf5Writer out(folder.file("twice.h5"), "cases", {"tissuectl test", 0, {}});
     out.attribute("/", "study", "example");
     out.write("/nodes", corners(), "m", "nodes");
-    out.write("/magnitudes", Eigen::VectorXd(Eigen::VectorXd::Constant(1, 0.008)), "m", "push lengths");
+    out.write("/magnitudes", Eigen::VectorXd(Eigen::VectorXd::Constant(1, 0.008)), "m", "tool displacements that are load cases");
     out.write_texts("/path_names", {"left", "left"}, "load paths");
     out.write_texts("/paths/left/role", {"validation", "lost before it began"}, "role");
     for (const char* one : {"depth", "magnitude", "energy", "smallest_J", "newton_residual"})
@@ -240,10 +240,10 @@ TEST_CASE("a file in which a path's name stands twice is refused") {
         out.write(std::string("/paths/left/") + field, Array{{1, 4, 2}, std::vector<double>(8)}, "m", field);
     out.write_integers("/paths/left/newton_iterations", {1}, {1}, "iterations");
     out.commit();
-    CHECK_THAT(refusal<FileError>([&] { read_cases(folder.file("twice.h5")); }), Contains("path_names") && Contains("'left' stands twice"));
+    CHECK_THAT(refusal<FileError>([&] { read_cases(folder.file("twice.h5")); }), Contains("path_names") && Contains("'left' is present twice"));
 }
 
-TEST_CASE("a path without a record at a magnitude is refused by path and magnitude") {
+TEST_CASE("a path without a record at a magnitude of the cases is refused by path and magnitude") {
     Cases cases = example();
     cases.paths[1].records.pop_back();
     CHECK_THAT(refusal<MismatchError>([&] { load_cases(cases); }), Contains("corner") && Contains("8 mm"));
@@ -252,7 +252,7 @@ TEST_CASE("a path without a record at a magnitude is refused by path and magnitu
     CHECK_THROWS_AS(load_cases(cases), MismatchError);
 }
 
-TEST_CASE("cases whose parts do not fit together are refused with file and place") {
+TEST_CASE("cases with a path dataset missing or of the wrong size are refused with its place") {
     const TemporaryFolder folder;
     const std::string file = folder.file("cases.h5");
     for (const std::string name : {"contact", "direction", "magnitude", "displacement", "force", "contact_force",
@@ -267,18 +267,19 @@ TEST_CASE("cases whose parts do not fit together are refused with file and place
     }
 }
 
-TEST_CASE("a path that FE lost says why, and keeps what it reached") {
+TEST_CASE("a load path that FE ended early keeps its records and its cause") {
     const TemporaryFolder folder;
     const std::string lost = with(csv(), "end,2\n", "lost,2,folded at (1, 0) m, 12 mm\n");
     const LoadPath path = read_path_csv(folder.file("left.csv", lost), corners());
     CHECK(path.lost == "folded at (1, 0) m, 12 mm");
-    CHECK(read_path_csv(folder.file("left.csv", with(lost, "folded", "\033]0;owned\007")), corners()).lost == "\\x1b]0;owned\\x07 at (1, 0) m, 12 mm");  // no terminal obeys it
+    // control characters are escaped
+    CHECK(read_path_csv(folder.file("left.csv", with(lost, "folded", "\033]0;owned\007")), corners()).lost == "\\x1b]0;owned\\x07 at (1, 0) m, 12 mm");
     CHECK(path.records.size() == 2);
     CHECK_THAT(said(with(lost, "lost,2,", "lost,3,")), Contains("records are missing"));
     CHECK_THAT(said(with(csv(), "end,2\n", "lost,2\n")), Contains("left.csv:12"));
 }
 
-TEST_CASE("of a lost path the magnitudes it reached are load cases; paths that prove are none") {
+TEST_CASE("load cases include the reached magnitudes of an unfinished path and no path of the test set") {
     Cases cases = example();
     cases.paths[1].records.pop_back();
     cases.paths[1].lost = "folded";
@@ -292,9 +293,9 @@ TEST_CASE("of a lost path the magnitudes it reached are load cases; paths that p
     CHECK(after.paths[1].depth_m == cases.paths[1].depth_m);
 }
 
-TEST_CASE("a mirrored path pushes the mirrored contact; mirrored twice it is itself") {
+TEST_CASE("a mirrored path has mirrored contact and fields and mirroring twice restores its fields") {
     Cases cases = example();
-    cases.paths[1].records[0] = cases.paths[1].records[1];  // the first, too
+    cases.paths[1].records[0] = cases.paths[1].records[1];  // so that the first record is not zero
     const LoadPath &path = cases.paths[1], once = mirrored(path, cases.nodes, 0.1);
     CHECK(once.name == "corner-mirror");
     CHECK(once.contact_m == Eigen::Vector2d(0, 0.1));
@@ -317,7 +318,7 @@ TEST_CASE("a mirrored path pushes the mirrored contact; mirrored twice it is its
     CHECK_THROWS_AS(mirrored(path, cases.nodes, 0.11), MismatchError);
 }
 
-TEST_CASE("a file that is no cases file is refused") {
+TEST_CASE("reading cases from a missing or foreign file and writing into a missing folder are refused") {
     const TemporaryFolder folder;
     CHECK_THROWS_AS(read_cases(folder.file("none.h5")), FileError);
     {

@@ -19,7 +19,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// One press of 5 mm along the normal at each place, stiffness 2 N/m.
+/// One indentation of 5 mm along the normal at each arc length, with stiffness 2 N/m.
 MeasuredTable presses(const std::vector<double>& arcs) {
     const Outline outline(measured_mesh());
     MeasuredTable table{"data.csv", "made up", {}};
@@ -49,8 +49,8 @@ std::string refused(const MeasuredTable& table) {
 
 }  // namespace
 
-TEST_CASE("contacts are held out by seed, whole, and never within 2 mm of one that is trained on", "[measured]") {
-    // three presses at every place, a millimetre apart: one contact
+TEST_CASE("measurements are split by contact and seed with test contacts 2 mm from training contacts", "[measured]") {
+    // three indentations a millimetre apart at every place: one contact
     std::vector<double> arcs;
     for (double arc : every_cm())
         for (double aside : {-0.001, 0.0, 0.001}) arcs.push_back(arc + aside);
@@ -68,7 +68,7 @@ TEST_CASE("contacts are held out by seed, whole, and never within 2 mm of one th
     CHECK(arcs_by_role(measured_cases(measured_study(), presses(arcs)))["held_out"] == roles["held_out"]);
 }
 
-TEST_CASE("the outermost contacts and those at corners are trained on", "[measured]") {
+TEST_CASE("the outermost contacts and those at corners are training contacts", "[measured]") {
     Study study = measured_study();
     study.data->held_out_part = 0.5;
     study.data->validation_part = 0.5;
@@ -78,12 +78,12 @@ TEST_CASE("the outermost contacts and those at corners are trained on", "[measur
     for (int i = 0; i < 4; ++i) CHECK(trained[static_cast<std::size_t>(i)] == Approx(wanted[i]));
 }
 
-TEST_CASE("of one contact or two none can be held out: refused in one line", "[measured]") {
-    CHECK_THAT(refused(presses({0.15})), Contains("data.csv: has 1 rows at 1 contacts") && Contains("none held out"));
-    CHECK_THAT(refused(presses({0.12, 0.18})), Contains("data.csv: has 2 rows at 2 contacts") && Contains("none held out"));
+TEST_CASE("measurements at one or two contacts are refused because none is left for the test set", "[measured]") {
+    CHECK_THAT(refused(presses({0.15})), Contains("data.csv: has 1 rows at 1 contacts") && Contains("none for the test set"));
+    CHECK_THAT(refused(presses({0.12, 0.18})), Contains("data.csv: has 2 rows at 2 contacts") && Contains("none for the test set"));
 }
 
-TEST_CASE("a table's own roles stand, and one that would prove on what it trained on is refused", "[measured]") {
+TEST_CASE("roles of a measurement table are kept and training within 2 mm of a test contact is refused", "[measured]") {
     MeasuredTable table = presses(every_cm());
     for (MeasuredRow& row : table.rows) row.role = "train";
     table.rows[5].role = "held_out";
@@ -91,17 +91,17 @@ TEST_CASE("a table's own roles stand, and one that would prove on what it traine
     const auto roles = arcs_by_role(measured_cases(measured_study(), table));
     CHECK(roles.at("held_out") == std::vector<double>{0.07});
     CHECK(roles.at("validation").size() == 1);
-    MeasuredRow leak = table.rows[5];  // another push at the held-out contact, 1.9 mm along
+    MeasuredRow leak = table.rows[5];  // another indentation, 1.9 mm from the test contact
     leak.line = 99;
     leak.role = "train";
     leak.contact_m.y() += 0.0019;
     table.rows.push_back(leak);
-    CHECK_THAT(refused(table), Contains("data.csv:99:") && Contains("'role'") && Contains("line 7") && Contains("trained on"));
+    CHECK_THAT(refused(table), Contains("data.csv:99:") && Contains("'role'") && Contains("line 7") && Contains("must be apart"));
     table.rows.back().contact_m.y() += 0.0002;
     CHECK_NOTHROW(measured_cases(measured_study(), table));
 }
 
-TEST_CASE("noise is found from repeats, and an outlier is named and kept", "[measured]") {
+TEST_CASE("noise is estimated from repeats and an outlier is listed and kept", "[measured]") {
     const std::unique_ptr<gsl_rng, void (*)(gsl_rng*)> rng(gsl_rng_alloc(gsl_rng_mt19937), gsl_rng_free);
     const double force_noise = 0.03, displacement_noise = 0.00004;
     const MeasuredTable clean = presses(every_cm());
@@ -119,11 +119,12 @@ TEST_CASE("noise is found from repeats, and an outlier is named and kept", "[mea
     const Cases cases = measured_cases(measured_study(), table);
     CHECK(cases.measurement->repeats == 19 * 27);
     CHECK(cases.measurement->noise_source == "repeats");
-    // 2 x 513 squares: their mean is known to 1 / sqrt(513), its root to half of that; three times that
+    // 2 x 513 squares: their mean has a relative standard error of 1 / sqrt(513), its root half of that; three times
+    // that
     CHECK(cases.measurement->force_noise == Approx(force_noise).epsilon(1.5 / std::sqrt(513)));
     CHECK(cases.measurement->displacement_noise_m == Approx(displacement_noise).epsilon(1.5 / std::sqrt(513)));
     CHECK(cases.measurement->outliers.empty());
-    // repeats of what is trained on are one case, those held out are as many rows
+    // repeats of a training indentation are one case; in the test set each row is a path
     CHECK(arcs_by_role(cases)["train"].size() == 27 - 5 - 3);
     CHECK(arcs_by_role(cases)["held_out"].size() == 20 * 5);
     for (const LoadPath& path : cases.paths) CHECK(path.again_N.has_value() == (path.role != "train"));
@@ -135,7 +136,7 @@ TEST_CASE("noise is found from repeats, and an outlier is named and kept", "[mea
     CHECK(kept.measurement->rows == 540);
 }
 
-TEST_CASE("without repeats the study's word on noise serves, or none is known", "[measured]") {
+TEST_CASE("without repeats the noise is the value stated in the study or unknown", "[measured]") {
     Study study = measured_study();
     CHECK(measured_cases(study, presses(every_cm())).measurement->noise_source == "unknown");
     study.data->stated_force_noise = 0.01;
@@ -144,7 +145,7 @@ TEST_CASE("without repeats the study's word on noise serves, or none is known", 
     CHECK(cases.measurement->force_noise == 0.01);
 }
 
-TEST_CASE("a training case is its push's mean, to the last part of the displacement", "[measured]") {
+TEST_CASE("a training case is the mean of its repeats in displacement and force", "[measured]") {
     MeasuredTable table = presses(every_cm());
     table.rows[0].push = "first";
     for (std::size_t i = 1; i < table.rows.size(); ++i) table.rows[i].push = fmt::format("{}", i);
@@ -160,7 +161,7 @@ TEST_CASE("a training case is its push's mean, to the last part of the displacem
     CHECK(path.records[0].contact_force_N.isApprox(1.05 * once.force_N, tolerance::rounding));
 }
 
-TEST_CASE("a fan of finely stepped directions at one place is trained on as what was pushed, not as its mean", "[measured]") {
+TEST_CASE("finely stepped directions at one contact are not averaged into one training case", "[measured]") {
     const Outline outline(measured_mesh());
     MeasuredTable table = presses(every_cm());
     for (MeasuredRow& row : table.rows) row.role = "train";
@@ -182,13 +183,13 @@ TEST_CASE("a fan of finely stepped directions at one place is trained on as what
             CHECK(push.norm() < 1.01 * 0.005);
         }
     }
-    CHECK(records == 31);  // 61 pushes, by twos within 3 degrees
+    CHECK(records == 31);  // 61 indentations, averaged in pairs within 3 degrees
 }
 
-TEST_CASE("training paths of nearly one direction have names of their own", "[measured]") {
+TEST_CASE("training paths with nearly equal directions get distinct names", "[measured]") {
     const Outline outline(measured_mesh());
     MeasuredTable table = presses(every_cm());
-    for (int i = 0; i <= 1000; ++i) {  // the mean of all but the last, which is 3 degrees from the first, is next to it
+    for (int i = 0; i <= 1000; ++i) {  // the last one, 3.001 degrees from the first, is close to the mean of all others
         const double degrees = i == 0 ? 0 : i < 1000 ? 2.9999 : 3.001;
         const Eigen::Vector2d push = 0.005 * outline.direction(0.105, degrees * 3.14159265358979 / 180);
         table.rows.push_back({100 + i, outline.position(0.105), push, 2 * push, "", ""});
@@ -197,7 +198,7 @@ TEST_CASE("training paths of nearly one direction have names of their own", "[me
     for (const LoadPath& path : measured_cases(measured_study(), table).paths) CHECK(names.insert(path.name).second);
 }
 
-TEST_CASE("pushes scanned finely along the surface are trained on where they were made", "[measured]") {
+TEST_CASE("indentations spaced finely along the surface keep their places in training", "[measured]") {
     const Outline outline(measured_mesh());
     MeasuredTable table = presses(every_cm());
     for (MeasuredRow& row : table.rows) row.role = "train";
@@ -212,13 +213,13 @@ TEST_CASE("pushes scanned finely along the surface are trained on where they wer
         const double arc = outline.arc_of(path.contact_m);
         if (arc > 0.1515 && arc < 0.1585) places.insert(arc);
     }
-    CHECK(places.size() == 21);  // by twos within 0.2 mm
+    CHECK(places.size() == 21);  // averaged in pairs within 0.2 mm
     REQUIRE(!places.empty());
     CHECK(*places.begin() < 0.1521);
     CHECK(*places.rbegin() > 0.1579);
 }
 
-TEST_CASE("measured cases are read back as they were written", "[measured]") {
+TEST_CASE("measured cases are read back unchanged", "[measured]") {
     MeasuredTable table = presses(every_cm());
     for (std::size_t i = 0, n = table.rows.size(); i < n; ++i) {
         table.rows[i].push = fmt::format("{}", i);
@@ -245,7 +246,7 @@ TEST_CASE("measured cases are read back as they were written", "[measured]") {
     CHECK(load_cases(back).size() == 27 - 5 - 3);
 }
 
-TEST_CASE("rows that no tissue of this outline can have given are refused by line", "[measured]") {
+TEST_CASE("measured rows with an impossible contact or displacement or force are refused by line", "[measured]") {
     const MeasuredTable good = presses(every_cm());
     const auto spoilt = [&](auto&& spoil) {
         MeasuredTable table = good;
@@ -259,11 +260,12 @@ TEST_CASE("rows that no tissue of this outline can have given are refused by lin
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m = Eigen::Vector2d(0.05, 0); }), Contains("contact_x"));
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.contact_m.y() = 0.0005; }), Contains("fixed edge"));
     CHECK_THAT(spoilt([](MeasuredRow& r) { r.displacement_m *= -1; }), Contains("out of the tissue"));
-    CHECK_THAT(spoilt([](MeasuredRow& r) { r.displacement_m *= 1e3; }), Contains("displacement_x") && Contains("100 mm long"));  // mm, called m
-    CHECK_THAT(spoilt([](MeasuredRow& r) { r.force_N *= -1; }), Contains("indenter's force on the tissue"));
+    // millimetres with the unit m
+    CHECK_THAT(spoilt([](MeasuredRow& r) { r.displacement_m *= 1e3; }), Contains("displacement_x") && Contains("size of 100 mm"));
+    CHECK_THAT(spoilt([](MeasuredRow& r) { r.force_N *= -1; }), Contains("tool's force on the tissue"));
     MeasuredTable table = good;
     table.rows[3].push = table.rows[4].push = "p";
-    CHECK_THAT(refused(table), Contains("data.csv:6: ") && Contains("'p' began on line 5"));
+    CHECK_THAT(refused(table), Contains("data.csv:6: ") && Contains("'p' has on line 5"));
     table = good;
     table.rows.resize(4);
     CHECK_THAT(refused(table), Contains("4 rows at 4 contacts") && Contains("needed"));

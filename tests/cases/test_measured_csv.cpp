@@ -21,7 +21,7 @@ MeasuredTable table_of(const std::string& text) {
     return read_measured_csv(folder.file("data.csv", text));
 }
 
-/// The refusal of a text, which must name file and line.
+/// Refusal of a text; it must name file and line.
 std::string refused(const std::string& text, int line) {
     const std::string said = refusal<FileError>([&] { table_of(text); });
     CHECK_THAT(said, Contains("data.csv:" + std::to_string(line) + ": "));
@@ -30,7 +30,7 @@ std::string refused(const std::string& text, int line) {
 
 }  // namespace
 
-TEST_CASE("measured rows come in SI units whatever the header's, in any order of columns", "[measured]") {
+TEST_CASE("measured rows are converted to SI units for any units and column order of the header", "[measured]") {
     const MeasuredTable mm = table_of("# by hand\n# on a Monday\n" + header + rows);
     REQUIRE(mm.rows.size() == 2);
     CHECK(mm.origin == "by hand on a Monday");
@@ -48,18 +48,18 @@ TEST_CASE("measured rows come in SI units whatever the header's, in any order of
     CHECK(m.rows[0].force_N.isApprox(mm.rows[0].force_N, tolerance::rounding));
 }
 
-TEST_CASE("a header with a unit that is absent, unknown or of another kind is refused by column", "[measured]") {
+TEST_CASE("a measurement header with a wrong unit or column is refused by column", "[measured]") {
     CHECK_THAT(refused(with(header, "force_x [mN]", "force_x"), 1), Contains("'force_x'") && Contains("no unit") && Contains("N, mN"));
     CHECK_THAT(refused(with(header, "contact_x [mm]", "contact_x [inch]"), 1), Contains("'contact_x'") && Contains("'inch'") && Contains("m, mm"));
     CHECK_THAT(refused(with(header, "force_y [mN]", "force_y [mm]"), 1), Contains("'force_y'") && Contains("'mm'"));
     CHECK_THAT(refused(with(header, "force_y [mN]", "force_y [mN"), 1), Contains("'force_y'"));
     CHECK_THAT(refused(with(header, "force_y [mN]", "force_z [mN]"), 1), Contains("'force_z' is not known"));
     CHECK_THAT(refused(with(header, ",force_y [mN]", ""), 1), Contains("'force_y' is missing"));
-    CHECK_THAT(refused(with(header, "force_y [mN]", "force_x [mN]"), 1), Contains("'force_x' stands twice"));
+    CHECK_THAT(refused(with(header, "force_y [mN]", "force_x [mN]"), 1), Contains("'force_x' is present twice"));
     CHECK_THAT(refused(with(header, "force_y [mN]", "force_y [mN],role [mm]"), 1), Contains("'role'"));
 }
 
-TEST_CASE("a row that cannot be a reading is refused by line and column", "[measured]") {
+TEST_CASE("an invalid measurement row is refused by line and column", "[measured]") {
     const auto last = [](const std::string& row) { return refused(header + rows + row + "\n", 4); };
     CHECK_THAT(last("0,50,nan,0,12,1"), Contains("'displacement_x'") && Contains("'nan'"));
     CHECK_THAT(last("0,50,5,0,inf,1"), Contains("'force_x'"));

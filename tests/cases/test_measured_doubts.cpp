@@ -1,4 +1,4 @@
-#include "cases/measured_doubts.h"
+#include "cases/measurement_warnings.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,8 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Ten pushes a centimetre apart, the set of them made again and again, and stiffness as of the study's own tissue.
+/// Ten indentations one centimetre apart, repeated `repeats` times, with the stiffness 0.5 E2 of the study's own
+/// tissue.
 MeasuredTable sessions(int repeats) {
     const Outline outline(measured_mesh());
     MeasuredTable table{"data.csv", "", {}};
@@ -29,49 +30,50 @@ MeasuredTable sessions(int repeats) {
 
 }  // namespace
 
-TEST_CASE("measurements of the study's own tissue are not doubted", "[measured]") {
+TEST_CASE("measurements with the stiffness of the study's tissue cause no warning", "[measured]") {
     MeasuredTable table = sessions(3);
-    for (std::size_t i = 0; i < table.rows.size(); ++i) table.rows[i].force_N *= 1 + 0.03 * std::sin(12.9898 * static_cast<double>(i));  // noise that goes nowhere
-    CHECK(measured_doubts(measured_study(), table).empty());
+    // noise without drift
+    for (std::size_t i = 0; i < table.rows.size(); ++i) table.rows[i].force_N *= 1 + 0.03 * std::sin(12.9898 * static_cast<double>(i));
+    CHECK(measurement_warnings(measured_study(), table).empty());
 }
 
-TEST_CASE("a factor of a thousand in force or displacement is doubted, whichever way", "[measured]") {
+TEST_CASE("measured forces a thousand times too large or too small cause a warning about units", "[measured]") {
     for (const double factor : {1e3, 1e-3}) {
         MeasuredTable table = sessions(1);
         for (MeasuredRow& row : table.rows) row.force_N *= factor;
-        const auto doubts = measured_doubts(measured_study(), table);
+        const auto doubts = measurement_warnings(measured_study(), table);
         REQUIRE(doubts.size() == 1);
         CHECK_THAT(doubts[0], Contains("is a unit in the header wrong"));
     }
 }
 
-TEST_CASE("a factor of a thousand in measured histories is doubted too", "[measured]") {
+TEST_CASE("measured histories with forces a thousand times too small cause a warning about units", "[measured]") {
     History history;
     history.time_s = Eigen::Vector3d(0, 0.1, 0.2);
     history.push_m = NodeField::Zero(3, 2), history.force_N = history.push_m;
     history.push_m(1, 1) = history.push_m(2, 1) = -0.005;
     history.force_N = 0.5 * measured_study().modulus_N_m() * history.push_m;
-    CHECK(measured_doubts(measured_study(), {history}).empty());
+    CHECK(measurement_warnings(measured_study(), {history}).empty());
     history.force_N *= 1e-3;
-    REQUIRE(measured_doubts(measured_study(), {history}).size() == 1);
-    CHECK_THAT(measured_doubts(measured_study(), {history})[0], Contains("is a unit in the header wrong"));
-    CHECK(measured_doubts(measured_study(), std::vector<History>()).empty());
+    REQUIRE(measurement_warnings(measured_study(), {history}).size() == 1);
+    CHECK_THAT(measurement_warnings(measured_study(), {history})[0], Contains("is a unit in the header wrong"));
+    CHECK(measurement_warnings(measured_study(), std::vector<History>()).empty());
 }
 
-TEST_CASE("rows that contradict each other are named, the first three of many", "[measured]") {
+TEST_CASE("rows that contradict each other are listed by line and only the first three of many", "[measured]") {
     MeasuredTable table = sessions(2);
     for (MeasuredRow& row : table.rows) row.push.clear();
     table.rows[12].force_N *= 2;
-    const auto doubts = measured_doubts(measured_study(), table);
+    const auto doubts = measurement_warnings(measured_study(), table);
     REQUIRE(doubts.size() == 1);
     CHECK_THAT(doubts[0], Contains("lines 4 and 14") && Contains("50 %"));
     for (std::size_t i = 10; i < 20; ++i) table.rows[i].force_N = 1.5 * table.rows[i - 10].force_N;
-    const auto many = measured_doubts(measured_study(), table);
+    const auto many = measurement_warnings(measured_study(), table);
     REQUIRE(many.size() == 4);
     CHECK_THAT(many[3], Contains("7 more"));
 }
 
-TEST_CASE("contradictions are those of every pair of rows, each row with the later one along x that differs most", "[measured]") {
+TEST_CASE("contradictions equal those of an exhaustive comparison of all pairs of rows", "[measured]") {
     const Study study = measured_study();
     std::mt19937 random(2026);
     const auto drawn = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
@@ -80,7 +82,8 @@ TEST_CASE("contradictions are those of every pair of rows, each row with the lat
         MeasuredTable table{"data.csv", "", {}};
         const int rows = 2 + drawn(60);
         for (int i = 0; i < rows; ++i) {
-            const Eigen::Vector2d contact(0.0001 * drawn(4), 0.05 + 0.0001 * drawn(4)), push(0.005 + 0.0001 * drawn(4), 0.0001 * drawn(4));  // near the limits of "the same"
+            // near the limits of "same contact" and "same displacement"
+            const Eigen::Vector2d contact(0.0001 * drawn(4), 0.05 + 0.0001 * drawn(4)), push(0.005 + 0.0001 * drawn(4), 0.0001 * drawn(4));
             table.rows.push_back({i + 2, contact, push, study.modulus_N_m() * (1 + 0.125 * drawn(4)) * push, "", ""});
         }
         std::vector<MeasuredRow> sorted = table.rows;
@@ -98,14 +101,14 @@ TEST_CASE("contradictions are those of every pair of rows, each row with the lat
             }
             if (worst && ++more <= 0) expected.push_back(fmt::format("lines {} and {}: forces of the same displacement at the same contact differ by {:.0f} %", std::min(a->line, worst->line), std::max(a->line, worst->line), 100 * most));
         }
-        if (more > 0) expected.push_back(fmt::format("and so do {} more", more));
+        if (more > 0) expected.push_back(fmt::format("{} more pairs of lines differ likewise", more));
         contradicted += more > 0;
-        REQUIRE(measured_doubts(study, table) == expected);
+        REQUIRE(measurement_warnings(study, table) == expected);
     }
     CHECK(contradicted > 50);
 }
 
-TEST_CASE("sixty thousand rows on one side, or at one contact, are looked through in seconds", "[measured]") {
+TEST_CASE("60000 measured rows are checked in less than 4 s of processor time", "[measured]") {
     const std::string kind = GENERATE("one side", "one contact", "one contact, ever deeper");
     INFO(kind);
     const Study study = measured_study();
@@ -117,17 +120,19 @@ TEST_CASE("sixty thousand rows on one side, or at one contact, are looked throug
         table.rows.push_back({i + 2, {0, y}, push, study.modulus_N_m() * (1 + 0.05 * std::sin(12.9898 * i)) * push, "", ""});
     }
     const std::clock_t began = std::clock();
-    CHECK(measured_doubts(study, table).empty());
-    CHECK(static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC < 4);  // of this process; pair by pair some 8 s, and under a sanitizer far more
+    CHECK(measurement_warnings(study, table).empty());
+    // of this process; comparing all pairs takes some 8 s, and far more under a sanitizer
+    CHECK(static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC < 4);
 }
 
-TEST_CASE("a sensor that drifts shows in repeats of one push", "[measured]") {
+TEST_CASE("drift of a force sensor in repeated indentations causes a warning", "[measured]") {
     for (const double drift : {0.1, -0.1}) {
         MeasuredTable table = sessions(4);
         for (std::size_t i = 0; i < table.rows.size(); ++i)
             table.rows[i].force_N *= 1 + drift * static_cast<double>(i) / static_cast<double>(table.rows.size() - 1) + 0.005 * std::sin(12.9898 * static_cast<double>(i));
-        const auto doubts = measured_doubts(measured_study(), table);
+        const auto doubts = measurement_warnings(measured_study(), table);
         REQUIRE(doubts.size() == 1);
-        CHECK_THAT(doubts[0], Contains("drift") && (drift > 0 ? Contains("grow by 9 %") || Contains("grow by 10 %") : Contains("fall by 10 %") || Contains("fall by 11 %")));  // of the mean, 1 + drift / 2
+        // relative to the mean factor 1 + drift / 2
+        CHECK_THAT(doubts[0], Contains("drift") && (drift > 0 ? Contains("rise by 9 %") || Contains("rise by 10 %") : Contains("fall by 10 %") || Contains("fall by 11 %")));
     }
 }

@@ -1,4 +1,4 @@
-// A study of one's own shape and material: what is read, what is planned, where contacts lie.
+// Studies with a user's shape and material: reading, planning and contacts.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -18,7 +18,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// The example study on a shape, swept all round.
+/// The example study on a shape, with contacts all round its free surface.
 std::string shape_text() {
     std::string text = with(example_study_text(), "width_m = 0.1\nheight_m = 0.1\n",
                             "shape = \"bean.geo\"\ntrust_geo = true\nunit_m = 0.001\nfixed = [\"table\"]\n");
@@ -31,7 +31,7 @@ std::string shape_text() {
            text.substr(to);
 }
 
-/// Reads a study in a folder with an (empty) outline file and a material of its own.
+/// Reads a study from a folder with empty outline files and its own material.
 Study read(const std::string& text) {
     const TemporaryFolder folder;
     folder.file("bean.geo", "");
@@ -52,7 +52,7 @@ std::string said(const std::string& from, const std::string& to) {
 
 }  // namespace
 
-TEST_CASE("a study of a shape names its file, unit and held curves, beside the study") {
+TEST_CASE("a study of a shape has the path of its file and its unit and fixed curves") {
     const Study s = read(shape_text());
     CHECK_FALSE(s.geometry.is_block());
     CHECK_THAT(s.geometry.shape, Catch::Matchers::EndsWith("/bean.geo") && !Contains(".."));
@@ -62,7 +62,7 @@ TEST_CASE("a study of a shape names its file, unit and held curves, beside the s
     CHECK(s.springs.topology == "edges");
 }
 
-TEST_CASE("E of an Ogden solid is 3 mu with 2 mu = sum mu_k alpha_k, and (2 C1, -2 C2) to (2, -2) is Mooney-Rivlin") {
+TEST_CASE("Ogden parameters equivalent to Mooney-Rivlin constants give the same Young modulus") {
     const std::string ogden = with(example_study_text(), "law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0",
                                    "law = \"ogden\"\nmu_Pa = [526, -982]\nalpha = [2, -2]");
     CHECK(example_study(ogden).material.youngs_modulus_Pa() ==
@@ -73,7 +73,7 @@ TEST_CASE("E of an Ogden solid is 3 mu with 2 mu = sum mu_k alpha_k, and (2 C1, 
                Contains("-law ogden -terms 2 -mu1 526 -alpha1 2 -mu2 -982 -alpha2 -2"));
 }
 
-TEST_CASE("a preset gives law, parameters and density, and takes the place of the base study's") {
+TEST_CASE("a material preset gives law and parameters and density and replaces the base study's material") {
     const Study s = read(with(shape_text(), "law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0\ndensity_kg_m3 = 1040.0",
                               "preset = \"jelly\""));
     CHECK(s.material.law == "ogden");
@@ -94,7 +94,7 @@ TEST_CASE("a preset gives law, parameters and density, and takes the place of th
     CHECK(derived.material.density_kg_m3 == 900);
 }
 
-TEST_CASE("regions have parameters of their own, which FE gets under their labels") {
+TEST_CASE("regions have their own parameters and FE receives them by label") {
     const Study s = read(with(shape_text(), "[mesh]",
                               "[material.regions]\nstone = { C1_Pa = 5000, C2_Pa = 1 }\nfat = { C1_Pa = 20, C2_Pa = 0 }\n\n[mesh]"));
     REQUIRE(s.material.region_names() == std::vector<std::string>{"fat", "stone"});
@@ -111,7 +111,7 @@ TEST_CASE("regions have parameters of their own, which FE gets under their label
     CHECK(plan.parts.at("train") != make_plan(read(shape_text()), disc(44)).parts.at("train"));
 }
 
-TEST_CASE("without its mesh a shape's plan is where the shape comes from, and nothing to solve") {
+TEST_CASE("without its mesh the plan of a shape only makes the mesh") {
     const Study s = read(shape_text());
     const Plan first = make_plan(s), whole = make_plan(s, disc(44));
     CHECK(first.parts.size() == 1);
@@ -123,7 +123,7 @@ TEST_CASE("without its mesh a shape's plan is where the shape comes from, and no
                Contains("SHAPE_ARGUMENTS := -save"));
 }
 
-TEST_CASE("every contact of a shape is solved: all round the free surface, off its curved normal") {
+TEST_CASE("training contacts cover the free surface of a shape at whole degrees from its normal") {
     const Study s = read(shape_text());
     const Shape shape = disc(44);
     const Outline outline(edge_mesh(shape));
@@ -139,10 +139,10 @@ TEST_CASE("every contact of a shape is solved: all round the free surface, off i
         CHECK(outline.angle(arc, p.push.direction) == Approx(angle).margin(1e-9));  // whole degrees
     }
     const int places = 1 + static_cast<int>(std::floor((outline.length() - 0.04) / 0.02));
-    CHECK(trained == 3 * places);  // three angles each, none for a corner that is none
+    CHECK(trained == 3 * places);  // three angles each; the disc has no corners
 }
 
-TEST_CASE("springs on the edges of the block's own lattice") {
+TEST_CASE("topology edges has a spring on each edge of a block's triangulated lattice") {
     Study s = example_study();
     const SpringMesh mesh = study_mesh(s, {}, "edges");
     CHECK(mesh.nodes == study_mesh(s, {}, "grid8").nodes);
@@ -152,13 +152,13 @@ TEST_CASE("springs on the edges of the block's own lattice") {
     CHECK_THROWS_AS(study_mesh(read(shape_text()), disc(44), "grid8"), MismatchError);
 }
 
-TEST_CASE("what a study of one's own may not say") {
+TEST_CASE("invalid keys of a study with a shape are refused by key") {
     CHECK_THAT(said("\"bean.geo\"", "\"bean.stl\""), Contains("key 'geometry.shape'") && Contains(".geo or .msh"));
     CHECK_THAT(said("\"bean.geo\"", "\"pea.geo\""), Contains("key 'geometry.shape'") && Contains("there is no file"));
     CHECK_THAT(said("fixed = [\"table\"]", "fixed = []"), Contains("key 'geometry.fixed'") && Contains("at least one"));
     CHECK_THAT(said("unit_m = 0.001", "unit_m = 0"), Contains("key 'geometry.unit_m'"));
     CHECK_THAT(said("unit_m = 0.001", "width_m = 0.1"), Contains("key 'geometry.width_m': is not known"));
-    CHECK_THAT(said("\"bean.geo\"", "\"bean.msh\""), Contains("key 'lattice'") && Contains(".msh has its triangles"));
+    CHECK_THAT(said("\"bean.geo\"", "\"bean.msh\""), Contains("key 'lattice'") && Contains(".msh already has triangles"));
     CHECK_THAT(said("topology = \"edges\"", "topology = \"grid4\""), Contains("allowed: edges"));
     CHECK_THAT(said("law = \"mooney-rivlin\"", "preset = \"jelly\""), Contains("key 'material.C1_Pa'") && Contains("preset"));
     CHECK_THAT(said("law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0", "preset = \"glass\""),

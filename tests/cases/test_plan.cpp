@@ -17,7 +17,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Files of the plan whose text differs between the example and the example with one thing changed.
+/// Parts of the plan that differ between the example and the example with one change.
 std::set<std::string> changed(const std::string& from, const std::string& to) {
     const Plan before = make_plan(example_study()), after = make_plan(example_study(with(example_study_text(), from, to)));
     std::set<std::string> names;
@@ -30,7 +30,7 @@ std::set<std::string> changed(const std::string& from, const std::string& to) {
 
 using Names = std::set<std::string>;
 
-/// The words that follow "-NAME" in a part.
+/// The number that follows "-NAME" in a part.
 double argument(const std::string& part, const std::string& name) {
     std::istringstream words(part);
     for (std::string word; words >> word;)
@@ -51,7 +51,7 @@ bool same_bits(double a, double b) {
 
 }  // namespace
 
-TEST_CASE("the plan has a part for mesh, collect, train and every load path") {
+TEST_CASE("the plan has parts for mesh and collect and train and one part per load path") {
     const Plan plan = make_plan(example_study());
     Names names;
     for (const auto& part : plan.parts) names.insert(part.first);
@@ -63,7 +63,7 @@ TEST_CASE("the plan has a part for mesh, collect, train and every load path") {
         CHECK_THAT(plan.fragment, Contains(line));
 }
 
-TEST_CASE("a first model's paths are eight, spread over all to train on, or all where there are fewer") {
+TEST_CASE("a first model has eight paths spread over the training paths or all of fewer") {
     CHECK_THAT(make_plan(example_study()).fragment, Contains("TRAINED := left corner\nFIRST_TRAINED := left corner\nTRAINED_MADE_OF := $(R)/mesh.msh\n"));
     const std::string corner = "  { name = \"corner\", contact_m = [0.1, 0.1], push = [-3, -1] },\n";
     std::string more = corner;
@@ -72,13 +72,13 @@ TEST_CASE("a first model's paths are eight, spread over all to train on, or all 
     CHECK_THAT(plan.fragment, Contains("FIRST_TRAINED := left p00 p03 p05 p08 p10 p13 p15\n"));
 }
 
-TEST_CASE("names that make would take apart, or run, are refused by file and key") {
+TEST_CASE("names with characters that make or the shell would interpret are refused by key") {
     Study s = example_study();
     for (const char* name : {"a b", "$(shell touch pwned)", "a;b", "a'b", "a\"b", "a`b`", "a#b", "a:b", "a%b", "a\nb", "-n", ""}) {
         CAPTURE(name);
         Study named = s;
         named.name = name;
-        CHECK_THAT(refusal<StudyError>([&] { make_plan(named); }), Contains("make cannot carry"));
+        CHECK_THAT(refusal<StudyError>([&] { make_plan(named); }), Contains("make does not support"));
         Study shaped = s;
         shaped.geometry.shape = std::string("fem/") + (*name ? name : " ") + ".geo";
         if (*name != '-') CHECK_THAT(refusal<StudyError>([&] { make_plan(shaped); }), Contains("key 'geometry.shape'"));
@@ -91,7 +91,7 @@ TEST_CASE("the same study gives the same plan") {
     CHECK(a.parts == b.parts);
 }
 
-TEST_CASE("editing the training changes plan/train and nothing else") {
+TEST_CASE("changing training or spring settings or density changes the part train only") {
     CHECK(changed("seed = 11", "seed = 12") == Names{"train"});
     CHECK(changed("iterations = 200", "iterations = 201") == Names{"train"});
     CHECK(changed("iterations = 200", "iterations = 200\nmax_seconds = 3") == Names{"train"});
@@ -107,13 +107,13 @@ TEST_CASE("editing the training changes plan/train and nothing else") {
     CHECK(changed("density_kg_m3 = 1040.0", "density_kg_m3 = 1000.0") == Names{"train"});
 }
 
-TEST_CASE("editing one path's push changes that path and nothing else") {
+TEST_CASE("changing direction or contact of one path changes the part of that path only") {
     CHECK(changed("push = [1, 0]", "push = [1, 0.5]") == Names{"path-left"});
     CHECK(changed("contact_m = [0.0, 0.05]", "contact_m = [0.0, 0.075]") == Names{"path-left"});
-    CHECK(changed("push = [1, 0]", "push = [2, 0]").empty());  // a push is a direction
+    CHECK(changed("push = [1, 0]", "push = [2, 0]").empty());  // only its direction counts
 }
 
-TEST_CASE("a new path, another name, another magnitude change what depends on them") {
+TEST_CASE("a new path or name or magnitude changes the parts that depend on it") {
     CHECK(changed("  { name = \"left\"", "  { name = \"top\", contact_m = [0.05, 0.1], push = [0, -1] },\n"
                                          "  { name = \"left\"") == Names{"collect", "path-top"});
     CHECK(changed("name = \"left\"", "name = \"west\"") == Names{"collect", "path-left", "path-west"});
@@ -121,7 +121,7 @@ TEST_CASE("a new path, another name, another magnitude change what depends on th
     CHECK(changed("[0.004, 0.008]", "[0.004, 0.006]") == Names{"collect", "path-corner", "path-left"});
 }
 
-TEST_CASE("editing tissue or solver solves every path again, and meshes only when the mesh differs") {
+TEST_CASE("changing tissue or solver changes all paths and changing the refinement changes the mesh part") {
     const Names paths = {"path-corner", "path-left"};
     const auto and_also = [&](Names more) {
         more.insert(paths.begin(), paths.end());
@@ -132,12 +132,12 @@ TEST_CASE("editing tissue or solver solves every path again, and meshes only whe
     CHECK(changed("record_step_m = 0.002", "record_step_m = 0.001") == paths);
     CHECK(changed("C1_Pa = 263.0", "C1_Pa = 264.0") == and_also({"train"}));
     CHECK(changed("thickness_m = 0.0003", "thickness_m = 0.0004") == and_also({"train"}));
-    CHECK(changed("refine = 1", "refine = 2") == Names{"mesh"});  // and so every path, which depends on the mesh
+    CHECK(changed("refine = 1", "refine = 2") == Names{"mesh"});  // all paths depend on the mesh
     CHECK(changed("name = \"corner\"", "name =\"corner\"").empty());
     CHECK(changed("width_m = 0.1", "width_m = 0.1000").empty());  // the same number
 }
 
-TEST_CASE("the block is meshed in as many elements a cell along both axes as the study says") {
+TEST_CASE("the mesh of a block has the number of elements per cell of the study along both axes") {
     const std::string tall = with(example_study_text(), "cells = [4, 4]", "cells = [4, 6]");
     for (const int refine : {1, 3}) {
         const Study s = example_study(with(tall, "refine = 1", "refine = " + std::to_string(refine)));
@@ -147,7 +147,7 @@ TEST_CASE("the block is meshed in as many elements a cell along both axes as the
     }
 }
 
-TEST_CASE("numbers in FreeFEM's arguments read back to the same bits") {
+TEST_CASE("numbers in FreeFEM's arguments give the same bits when read back") {
     const std::string odd = with(with(example_study_text(), "thickness_m = 0.0003", "thickness_m = 0.00016666666666666667"),
                                  "C1_Pa = 263.0", "C1_Pa = 263.00000000000006");
     const Study s = example_study(odd);
@@ -166,5 +166,5 @@ TEST_CASE("numbers in FreeFEM's arguments read back to the same bits") {
     CHECK(same_bits(argument(part, "tolerance"), s.solver.tolerance));
     CHECK(argument(part, "records") == s.loads.records());
     CHECK(argument(part, "cells_x") == 4);
-    CHECK_THAT(plan.fragment, Contains(part.substr(0, part.size() - 1)));  // make passes what the part records
+    CHECK_THAT(plan.fragment, Contains(part.substr(0, part.size() - 1)));  // make passes the arguments of the part
 }

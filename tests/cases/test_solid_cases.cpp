@@ -11,7 +11,7 @@
 #include "../mesh/embedded_block.h"
 #include "cases/plan.h"
 #include "cases/solid_sweep.h"
-#include "cases/study_law.h"
+#include "cases/study_energy_model.h"
 #include "cases/study_mesh.h"
 #include "error.h"
 #include "../example.h"
@@ -50,7 +50,7 @@ std::string argument(const std::string& part, const std::string& name) {
     return "";
 }
 
-/// Cases of the study's training paths and one that proves, with made-up fields.
+/// Cases of the study's training paths and of one test path, with arbitrary fields.
 Cases solid_cases() {
     Cases cases;
     cases.study = solid().name;
@@ -81,7 +81,7 @@ std::vector<std::string> names_of(const std::vector<LoadCase>& loads) {
 
 }  // namespace
 
-TEST_CASE("a solid's paths are its own pushes, every draw of every role, and some of held_out again on the finer mesh") {
+TEST_CASE("paths of a solid are its listed and drawn indentations and mesh checks of some test paths") {
     std::map<std::string, int> count;
     std::set<std::string> names;
     for (const PlannedPath& p : planned_paths(solid())) {
@@ -100,7 +100,7 @@ TEST_CASE("a solid's paths are its own pushes, every draw of every role, and som
     CHECK(planned_paths(unchecked).size() == 74);
 }
 
-TEST_CASE("a map's paths are straight pushes row by row, of a role of their own, and the plan draws it") {
+TEST_CASE("a map has normal indentations row by row in a role of their own and a figure") {
     const Study mapped = example_study(solid_study_text() + "\n[map]\ndepth_m = 0.005\nx_m = [0.012, 0.06, 0.088]\ny_m = [0.04, 0.068]\n");
     std::vector<PlannedPath> paths;
     for (const PlannedPath& p : planned_paths(mapped))
@@ -119,13 +119,14 @@ TEST_CASE("a map's paths are straight pushes row by row, of a role of their own,
     CHECK_THAT(make_plan(solid()).fragment, Contains("FIGURES := held_out held_out_force shape solid\n"));
 }
 
-TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and its points have its volume") {
+TEST_CASE("a nodule in a block stiffens cells by their fraction inside and its points have its volume") {
     const SpringMesh mesh = study_mesh(solid(), {}, "embedded");
     const Cells cells = mesh_cells(mesh);
     const double E = 6 * 754.0, volume_m3 = std::pow(0.0125, 3);
     const Eigen::VectorXd moduli = solid_moduli(solid(), {}, mesh, cells);
     CHECK(moduli.minCoeff() == Approx(E));
-    CHECK(((moduli.array() / E - 1) / (18000 / E - 1)).sum() * volume_m3 == Approx(4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(0.3));  // by 64 points a cell
+    // sampled at 64 points per cell
+    CHECK(((moduli.array() / E - 1) / (18000 / E - 1)).sum() * volume_m3 == Approx(4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(0.3));
     const NodeField points = nodule_points(solid());
     CHECK(points.col(3).sum() == Approx(std::log(18000 / E) * 4.0 / 3 * 3.14159265 * std::pow(0.008, 3)).epsilon(1e-6));
     CHECK((points.leftCols(3).colwise().mean().transpose() - solid().nodule->inclusion.centre_m()).norm() < 1e-12);
@@ -133,7 +134,7 @@ TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and i
 
     Study other = solid();
     other.springs.terms = {"spring.nodule", "cell.nodule", "contact.normal.ground"};
-    const EnergyLaw law = study_law(other, {}, mesh);
+    const EnergyModelTerms law = study_energy_model(other, {}, mesh);
     Eigen::VectorXd p = Eigen::VectorXd::Zero(3);
     const Eigen::VectorXd before = law.constants(p);
     p << 1, 0, 0;
@@ -143,26 +144,26 @@ TEST_CASE("a nodule stiffens springs and cells by what of it lies in them, and i
     other.nodule.reset();
     for (const char* term : {"spring.nodule", "cell.nodule", "contact.hardening.ground"}) {
         other.springs.terms = {"spring.all", term};
-        CHECK_THAT(refusal<MismatchError>([&] { study_law(other, {}, mesh); }), Contains(std::string("term '") + term + "' is zero everywhere"));
+        CHECK_THAT(refusal<MismatchError>([&] { study_energy_model(other, {}, mesh); }), Contains(std::string("term '") + term + "' is zero everywhere"));
     }
 }
 
-TEST_CASE("of two solids with one shear modulus, Ogden's has the springs of Mooney-Rivlin's, and finite elements get its terms") {
+TEST_CASE("an Ogden solid has the springs of a Mooney-Rivlin solid with the same shear modulus") {
     const std::string mooney = "law = \"mooney-rivlin\"\nC1_Pa = 263.0\nC2_Pa = 491.0", own = "C1_Pa = 1000.0\nC2_Pa = 2000.0";
     const Study ogden = example_study(with(with(solid_study_text(), mooney, "law = \"ogden\"\nmu_Pa = [400, -227]\nalpha = [4, -6.23788546255507]"), own,
                                            "mu_Pa = [1500, -2000]\nalpha = [4, -3]"));
     REQUIRE(ogden.material.youngs_modulus_Pa() == Approx(6 * 754));
     REQUIRE(ogden.nodule->youngs_modulus_Pa() == Approx(18000));
     const SpringMesh mesh = study_mesh(solid(), {}, "embedded");
-    const Eigen::VectorXd theirs = study_law(solid(), {}, mesh).constants(Eigen::VectorXd::Zero(2));
-    CHECK((study_law(ogden, {}, mesh).constants(Eigen::VectorXd::Zero(2)) - theirs).norm() < 1e-9 * theirs.norm());
+    const Eigen::VectorXd theirs = study_energy_model(solid(), {}, mesh).constants(Eigen::VectorXd::Zero(2));
+    CHECK((study_energy_model(ogden, {}, mesh).constants(Eigen::VectorXd::Zero(2)) - theirs).norm() < 1e-9 * theirs.norm());
     const std::string part = make_plan(ogden).parts.at("path-" + ogden.loads.paths[0].name);
     CHECK_THAT(part, Contains(" -law ogden -terms 2 -mu1 400 -alpha1 4 -mu2 -227 -alpha2 -6.2") &&
                          Contains(" -mu1_11 1500 -alpha1_11 4 -mu2_11 -2000 -alpha2_11 -3 "));
     CHECK(part.find("-C1") == std::string::npos);
 }
 
-TEST_CASE("a solid's drawn contacts lie on the top as far from the walls as their role says, pushed as it says") {
+TEST_CASE("contacts drawn on a solid block lie on its top within the ranges of their role") {
     for (const PlannedPath& p : planned_paths(solid()))
         for (const Study::Draws& d : solid().draws) {
             if (p.role != d.role) continue;
@@ -179,7 +180,7 @@ TEST_CASE("a solid's drawn contacts lie on the top as far from the walls as thei
         }
 }
 
-TEST_CASE("a solid's draws are uniform over the top and in solid angle") {
+TEST_CASE("contacts drawn on a solid block are uniform over its top and in solid angle") {
     Study many = solid();
     many.draws.resize(1);
     many.draws[0].count = 20000;
@@ -198,11 +199,11 @@ TEST_CASE("a solid's draws are uniform over the top and in solid angle") {
     CHECK(count == 20000);
     CHECK((mean / count - Eigen::Vector2d(0.05, 0.04)).norm() < 0.001);  // standard error 0.2 mm
     CHECK((push / count).norm() < 0.02);
-    CHECK(cosine / count == Approx(0.75).margin(0.005));  // of a cosine even between 1 and 1/2
+    CHECK(cosine / count == Approx(0.75).margin(0.005));  // mean of a cosine that is uniform between 1/2 and 1
     CHECK(near / count == Approx(1 - 60.0 * 40 / (76 * 56)).margin(0.015));
 
     many.draws[0].count = 200;
-    many.draws[0].clearance_m[1] = 0.014;  // along the walls, all four of them
+    many.draws[0].clearance_m[1] = 0.014;  // along all four walls
     int at[4] = {};
     for (const PlannedPath& p : planned_paths(many)) {
         if (p.role == "train") continue;
@@ -212,7 +213,7 @@ TEST_CASE("a solid's draws are uniform over the top and in solid angle") {
     for (int beside : at) CHECK(beside > 25);
 }
 
-TEST_CASE("a solid's drawn contacts keep 2 mm or 5 degrees from every training push, or are refused by role") {
+TEST_CASE("contacts drawn on a solid are 2 mm or 5 degrees from training contacts or refused by role") {
     Study crowded = solid();
     crowded.draws.resize(1);
     crowded.draws[0].tilt_deg[1] = 3;
@@ -227,15 +228,15 @@ TEST_CASE("a solid's drawn contacts keep 2 mm or 5 degrees from every training p
             turned_near += near;
         }
     }
-    CHECK(turned_near == 0);  // straight in is trained at every one of these places
+    CHECK(turned_near == 0);  // a normal indentation is trained at each of these places
     crowded.loads.paths.clear();
     for (double x = 0.02; x < 0.081; x += 0.002)
         for (double y = 0.02; y < 0.061; y += 0.002) crowded.loads.paths.push_back({"t", Eigen::Vector3d(x, y, 0.05), Eigen::Vector3d(0, 0, -1), 0.01, crowded.indenter.radius_m});
     crowded.draws[0].count = 100'000;  // refused as soon as for one
-    CHECK_THAT(refusal<MismatchError>([&] { solid_paths(crowded); }), StartsWith("draws.validation: ") && Contains("no room"));
+    CHECK_THAT(refusal<MismatchError>([&] { solid_paths(crowded); }), StartsWith("draws.validation: ") && Contains("no space"));
 }
 
-TEST_CASE("a solid's draws are by seed and role alone: other roles and meshes leave them alone") {
+TEST_CASE("draws of a solid depend on the seed of their role and not on other roles or meshes") {
     Study other = solid();
     other.draws[0].seed = 77;
     other.check_sizes_m = {};
@@ -246,7 +247,7 @@ TEST_CASE("a solid's draws are by seed and role alone: other roles and meshes le
     }
 }
 
-TEST_CASE("edges of a block's lattice that are too short or too long are refused by key before finite elements are solved") {
+TEST_CASE("too short or too long edges of the lattice of a block are refused by key in planning") {
     for (const double edge_m : {1e-7, 0.4}) {
         Study study = solid();
         study.springs.spacing_m = edge_m;
@@ -254,7 +255,7 @@ TEST_CASE("edges of a block's lattice that are too short or too long are refused
     }
 }
 
-TEST_CASE("a solid's plan gives every path its arguments, its mesh's sizes too, and has no mesh of its own") {
+TEST_CASE("the plan of a solid block gives each path its arguments and mesh sizes without a common mesh") {
     const Plan plan = make_plan(solid());
     CHECK(plan.parts.size() == 2 + 94);
     CHECK_THAT(plan.fragment, Contains("SOLID := fem/block3.geo\n"));
@@ -300,7 +301,7 @@ TEST_CASE("a solid's plan gives every path its arguments, its mesh's sizes too, 
     CHECK(even.parts.at("train") != plan.parts.at("train"));
 }
 
-TEST_CASE("a push of another disc is planned, solved, kept and compared in proportion to it") {
+TEST_CASE("depths and mesh size of an indentation scale with its disc radius in plan and cases") {
     const std::string own = "at_m = [0.012, 0.015]", drawn = "[draws.validation]";
     const std::string text = with(with(solid_study_text(), own, own + ", radius_m = 0.0035"), drawn, drawn + "\nradii_m = [0.007, 0.0035]");
     const Study study = example_study(text);
@@ -319,10 +320,10 @@ TEST_CASE("a push of another disc is planned, solved, kept and compared in propo
     CHECK(number("path-validation-0002", "depth") == 0.5 * std::strtod(argument(before.parts.at("path-validation-0002"), "depth").c_str(), nullptr));
 
     CHECK_THAT(refusal<StudyError>([&] { make_plan(example_study(with(text, "radii_m = [0.007, 0.0035]", "radii_m = [0.003]"))); }),
-               Contains("key 'draws.validation.radii_m'") && Contains("3 mm is not between the radii of the training contacts, 3.5 and 7 mm"));
+               Contains("key 'draws.validation.radii_m'") && Contains("3 mm must be between the radii of the training contacts, 3.5 and 7 mm"));
     std::string none_own = solid_study_text();
     for (std::size_t at = 0; (at = none_own.find("pushes_deg", at)) != std::string::npos; at += 30) none_own.insert(at, "radius_m = 0.006, ");
-    CHECK_THAT(refusal<StudyError>([&] { make_plan(example_study(none_own)); }), Contains("key 'indenter.radius_m'") && Contains("7 mm is not between"));
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(example_study(none_own)); }), Contains("key 'indenter.radius_m'") && Contains("7 mm must be between"));
     const std::string term = "\"spring.all\"";
     CHECK_NOTHROW(make_plan(example_study(with(text, term, term + ", \"contact.hardening.size\""))));
     CHECK_THAT(refusal<StudyError>([&] { make_plan(example_study(with(solid_study_text(), term, term + ", \"contact.hardening.size\""))); }),
@@ -343,10 +344,11 @@ TEST_CASE("a push of another disc is planned, solved, kept and compared in propo
     CHECK(after.paths[0].radius_m == 0.0035);
     CHECK(after.paths[1].radius_m == 0);
     CHECK(names_of(load_cases(after))[0] == "x0500-y0400-t00-a000-2mm");
-    CHECK(names_of(load_cases(thinned(solid(), after, solid().whole()))) == names_of(load_cases(after)));  // a variant keeps the discs
+    // a variant keeps the disc radii
+    CHECK(names_of(load_cases(thinned(solid(), after, solid().whole()))) == names_of(load_cases(after)));
 }
 
-TEST_CASE("drawn pairs lie on the top, apart as their role says at rest and two radii when pushed, and finite elements get both discs") {
+TEST_CASE("drawn disc pairs keep their distance at rest and two radii when displaced; FE gets both discs") {
     const std::string role = "[draws.held_out_near_a_wall]";
     const Study study = example_study(with(solid_study_text(), role + "\nseed = 3\ncount = 20\ndepth_m = [0.001, 0.003]\ntilt_deg = [90, 90]\nclearance_m = [0.012, 0.02]",
                                            "[draws.held_out_two]\nseed = 3\ncount = 60\ndepth_m = [0.002, 0.008]\ntilt_deg = [0, 30]\nclearance_m = [0.012, 0.04]\napart_m = [0.015, 0.050]"));
@@ -390,10 +392,10 @@ TEST_CASE("drawn pairs lie on the top, apart as their role says at rest and two 
     CHECK(make_plan(study).parts.at("path-held-out-0001") == make_plan(solid()).parts.at("path-held-out-0001"));
 
     const Study narrow = example_study(with(solid_study_text(), role, "[draws.held_out_two]\napart_m = [0.1, 0.2]"));
-    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(narrow); }), Contains("draws.held_out_two: clearance_m and apart_m leave no room for two discs"));
+    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(narrow); }), Contains("draws.held_out_two: clearance_m and apart_m leave no space for two discs"));
 }
 
-TEST_CASE("a path of two discs comes back from its file as it was, and earlier programs refuse the file") {
+TEST_CASE("a two-disc path is read back unchanged from a file of a later format version") {
     const TemporaryFolder folder;
     const std::string file = folder.file("cases.h5");
     Cases cases = solid_cases();
@@ -430,7 +432,7 @@ TEST_CASE("a path of two discs comes back from its file as it was, and earlier p
     }
 }
 
-TEST_CASE("a training push in space is a load case at every magnitude up to its depth, and at its depth where it ends earlier") {
+TEST_CASE("a training path in space is a load case at every magnitude up to its depth") {
     Cases cases = solid_cases();
     CHECK(names_of(load_cases(cases)) ==
           std::vector<std::string>{"x0500-y0400-t00-a000-4mm", "x0500-y0400-t00-a000-10mm", "x0500-y0400-t30-a270-4mm",
@@ -441,15 +443,15 @@ TEST_CASE("a training push in space is a load case at every magnitude up to its 
     CHECK(load_magnitudes(cases, path) == std::vector<double>{0.004, 0.008});
     path.depth_m = 0.004;
     CHECK(load_magnitudes(cases, path) == std::vector<double>{0.004});
-    cases.magnitudes_m = {0.004};  // as a variant keeps
+    cases.magnitudes_m = {0.004};  // as in a variant
     path.depth_m = 0.010;
     CHECK(load_magnitudes(cases, path) == std::vector<double>{0.004});
-    path.direction = Eigen::Vector2d(0, -1);  // in the plane the cases' own
+    path.direction = Eigen::Vector2d(0, -1);  // in the plane the magnitudes of the cases
     path.depth_m = 0.003;
     CHECK(load_magnitudes(cases, path) == std::vector<double>{0.004});
 }
 
-TEST_CASE("a solid's variant keeps its first training pushes and every drawn one") {
+TEST_CASE("a variant of a solid keeps its first training paths and every drawn path") {
     const Cases cases = solid_cases();
     Study::Variant few = solid().whole();
     few.first_paths = 2;
@@ -462,7 +464,7 @@ TEST_CASE("a solid's variant keeps its first training pushes and every drawn one
     CHECK(thinned(solid(), cases, solid().whole()).paths.size() == cases.paths.size());
 }
 
-TEST_CASE("cases in space come back from their file as they were; earlier programs refuse them") {
+TEST_CASE("cases in space are read back unchanged from a file of a later format version") {
     const TemporaryFolder folder;
     const std::string file = folder.file("cases.h5");
     const Cases cases = solid_cases();
@@ -484,7 +486,7 @@ TEST_CASE("cases in space come back from their file as they were; earlier progra
     CHECK_FALSE(Hdf5Reader(file, "cases").has_attribute("/", "dimension"));
 }
 
-TEST_CASE("cases of a dimension that is neither 2 nor 3, or not that of their nodes, are refused with file and place") {
+TEST_CASE("cases with a dimension other than 2 or 3 or than that of their nodes are refused") {
     const TemporaryFolder folder;
     const std::string file = folder.file("cases.h5");
     const auto said = [&](double dimension) {
@@ -504,7 +506,7 @@ TEST_CASE("cases of a dimension that is neither 2 nor 3, or not that of their no
     CHECK_THAT(refusal<FileError>([&] { read_cases(file); }), Contains("cases.h5: /shape") && Contains("plane"));
 }
 
-TEST_CASE("cases in space, changed in any one dataset in any way, are refused in one line or load as others that are well") {
+TEST_CASE("cases in space with one altered dataset are refused in one line or are valid") {
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.h5"), file = folder.file("cases.h5");
     Cases cases = solid_cases();
@@ -528,15 +530,15 @@ TEST_CASE("cases in space, changed in any one dataset in any way, are refused in
     CHECK(refused > 50);
 }
 
-TEST_CASE("a law's shares are its material's, and in a nodule's springs and cells the mean of both, each as stiff as it is") {
+TEST_CASE("relative moduli are those of the material and stiffness-weighted means in springs that cross a nodule") {
     Study s = solid();
     REQUIRE(s.nodule);
     const SpringMesh mesh = study_mesh(s, {}, s.springs.topology);
-    CHECK(study_relaxation(s, {}, mesh, study_law(s, {}, mesh)).empty());
+    CHECK(study_relaxation(s, {}, mesh, study_energy_model(s, {}, mesh)).empty());
     s.material.viscosity = {{0.3, 0.05}, {0.2, 1}};
     s.material.share = {0.3, 0.2};
     s.nodule->share = s.material.share;
-    const EnergyLaw law = study_law(s, {}, mesh);
+    const EnergyModelTerms law = study_energy_model(s, {}, mesh);
     const Relaxation even = study_relaxation(s, {}, mesh, law);
     const Eigen::Index elements = law.energy(mesh).constant_count() - mesh.support_count();  // supports do not relax
     CHECK(even.tau_s == Eigen::Vector2d(0.05, 1));

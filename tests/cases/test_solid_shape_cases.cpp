@@ -12,7 +12,7 @@
 #include "cases/cases_table.h"
 #include "cases/plan.h"
 #include "cases/solid_training.h"
-#include "cases/study_law.h"
+#include "cases/study_energy_model.h"
 #include "cases/study_mesh.h"
 #include "cases/sweep.h"
 #include "error.h"
@@ -52,7 +52,7 @@ Study spread_study(int count, double clearance_m = 0.015, int each = 3) {
     return s;
 }
 
-/// A ball four times as stiff.
+/// A spherical inclusion four times as stiff as the base material.
 Study::Nodule stone() {
     Study::Nodule nodule{{}, Inclusion(Eigen::Vector3d(0.01, 0.0, 0.03), 0.009), {}};
     nodule.C1_Pa = 4 * (263 + 491);
@@ -88,7 +88,7 @@ Cases dome_cases() {
 
 }  // namespace
 
-TEST_CASE("listed contacts of a solid shape move to its surface and are pushed about its inward normal", "[solid_shape]") {
+TEST_CASE("listed contacts of a solid shape move to its surface and are tilted from its inward normal", "[solid_shape]") {
     const FreeSurface surface = study_surface(study(), shape());
     const std::vector<StudyPath> paths = solid_training(study(), shape());
     REQUIRE(paths.size() == 5);
@@ -112,7 +112,7 @@ TEST_CASE("listed contacts of a solid shape move to its surface and are pushed a
     CHECK_THAT(moved({0.049, 0, 0.005}), Contains("key 'loads.contacts[1].at_m'") && Contains("needs 12 mm"));
 }
 
-TEST_CASE("spread contacts lie far from each other, clear of the bed's edge, and their azimuths turn", "[solid_shape]") {
+TEST_CASE("spread contacts are more than 20 mm apart and keep their clearance while azimuths rotate", "[solid_shape]") {
     const Study s = spread_study(10);
     const FreeSurface surface = study_surface(s, shape());
     const std::vector<StudyPath> paths = solid_training(s, shape());
@@ -127,21 +127,22 @@ TEST_CASE("spread contacts lie far from each other, clear of the bed's edge, and
     for (std::size_t i = 0; i < 30; i += 3)
         for (std::size_t j = 0; j < i; j += 3) nearest = std::min(nearest, (paths[i].contact_m - paths[j].contact_m).norm());
     CHECK(nearest > 0.02);
-    CHECK(paths[0].contact_m[2] > 0.045);  // the first at the top, farthest from the edge
+    CHECK(paths[0].contact_m[2] > 0.045);  // the first one at the top, farthest from the edge
     CHECK(paths[1].name == "c01-t30-a000");
     CHECK(paths[4].name == "c02-t30-a138");
     CHECK(paths[8].name == "c03-t30-a095");  // 2 x 137.508 + 180 - 360
     const std::vector<StudyPath> again = solid_training(s, shape());
     for (std::size_t i = 0; i < 30; ++i) CHECK(again[i].contact_m == paths[i].contact_m);
-    CHECK(solid_training(spread_study(4), shape())[9].contact_m == paths[9].contact_m);  // more of them come after
+    // further contacts are appended
+    CHECK(solid_training(spread_study(4), shape())[9].contact_m == paths[9].contact_m);
     const std::vector<StudyPath> in_turn = solid_training(spread_study(4, 0.015, 2), shape());
     REQUIRE(in_turn.size() == 8);
-    const std::vector<int> same{0, 1, 5, 3, 7, 8, 9, 10};  // pushes 1 2, 3 1, 2 3, 1 2
+    const std::vector<int> same{0, 1, 5, 3, 7, 8, 9, 10};  // directions 1 2, 3 1, 2 3, 1 2 of the four contacts
     for (std::size_t i = 0; i < 8; ++i) CHECK((in_turn[i].contact_m == paths[static_cast<std::size_t>(same[i])].contact_m && in_turn[i].direction == paths[static_cast<std::size_t>(same[i])].direction));
     CHECK_THAT(refusal<StudyError>([&] { solid_training(spread_study(2, 0.09), shape()); }), Contains("key 'loads.spread': the free surface has 0 places 90 mm"));
 }
 
-TEST_CASE("draws on a solid shape are uniform by area, as clear and as tilted as their role says, and by seed", "[solid_shape]") {
+TEST_CASE("contacts drawn on a solid shape are uniform by area within the ranges of their role", "[solid_shape]") {
     const FreeSurface surface = study_surface(study(), shape());
     std::map<std::string, int> count;
     for (const PlannedPath& p : planned_paths(study(), shape())) {
@@ -162,7 +163,8 @@ TEST_CASE("draws on a solid shape are uniform by area, as clear and as tilted as
     many.draws[0].count = 1000;
     many.draws[0].clearance_m[0] = 0.012;
     double high = 0, east = 0, all = 0, area_high = 0, area = 0;
-    for (const Point& p : surface.points(3)) {  // parts of a facet are alike, facets nearly
+    // centroids of 9 equal parts of each facet, weighted by the area of the facet
+    for (const Point& p : surface.points(3)) {
         const double part = surface.measure()[surface.nearest(p).facet];
         if (surface.clearance_m(p) < 0.012) continue;
         area += part;
@@ -189,13 +191,13 @@ TEST_CASE("draws on a solid shape are uniform by area, as clear and as tilted as
     CHECK_THAT(refusal<MismatchError>([&] { planned_paths(other, shape()); }), StartsWith("draws.validation: clearance_m"));
 }
 
-TEST_CASE("a solid shape's plan asks for its mesh, then gives every path shape, springs and push", "[solid_shape]") {
+TEST_CASE("without a mesh the plan of a solid shape only asks for the mesh", "[solid_shape]") {
     const Plan first = make_plan(study());
     CHECK(first.parts.size() == 1);
     CHECK_THAT(first.fragment, Contains("SHAPE_ARGUMENTS := -3 -clmin 10 -clmax 10\n") && Contains("$(R)/plan.mk: $(R)/mesh.msh\n"));
 }
 
-TEST_CASE("a solid shape's paths have their arguments in order, to the bit", "[solid_shape]") {
+TEST_CASE("the plan passes exact arguments in order for each path of a solid shape", "[solid_shape]") {
     Study s = study();
     s.geometry.shape = "fem/dome.geo";
     s.name = "dome";
@@ -212,17 +214,17 @@ TEST_CASE("a solid shape's paths have their arguments in order, to the bit", "[s
                                   Contains("$(R)/cases/" + p.name + ".csv: $(R)/plan/path-" + p.name + " $(R)/mesh.msh $(BUILD)/stage/rim scripts/run_gmsh fem/fill3.geo fem/dome.geo\n") &&
                                   Contains("FIGURES := held_out held_out_force shape solid\n"));
     CHECK(plan.fragment.find("SOLID") == std::string::npos);
-    CHECK(plan.fragment.find("PATHS +=") == std::string::npos);  // every path stands once in the list
+    CHECK(plan.fragment.find("PATHS +=") == std::string::npos);  // every path is listed once
     CHECK_THAT(plan.parts.at("path-check-0001"), Contains("-size_near 0.004 -size_far 0.015"));
     s.geometry.fixed = {"bed $(rm)"};
-    CHECK_THAT(refusal<StudyError>([&] { make_plan(s, shape()); }), Contains("key 'geometry.fixed'") && Contains("make cannot carry"));
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(s, shape()); }), Contains("key 'geometry.fixed'") && Contains("make does not support"));
     s = study();
     s.springs.terms = {"spring.wall"};
     s.geometry.shape = "fem/dome.geo";
     CHECK_THAT(refusal<StudyError>([&] { make_plan(s, shape()); }), Contains("key 'springs.terms': term 'spring.wall'"));
 }
 
-TEST_CASE("a solid shape is meshed again where other parts lie on beds, not where a bed has another stiffness", "[solid_shape]") {
+TEST_CASE("a solid shape is remeshed if its beds cover other parts and not if their stiffness changes", "[solid_shape]") {
     Study s = study();
     s.geometry.shape = "fem/dome.geo";
     s.geometry.fixed = {"bed", "wall"};
@@ -234,7 +236,7 @@ TEST_CASE("a solid shape is meshed again where other parts lie on beds, not wher
     CHECK(shape_part({3e5, 6e5}) == shape_part({4e5, 5e5}));
 }
 
-TEST_CASE("regions of a solid shape stiffen springs and cells by what of them lies in them", "[solid_shape][long]") {
+TEST_CASE("regions of a solid shape stiffen the springs and cells and supports inside them", "[solid_shape][long]") {
     Study s = study();
     s.material.regions = {{{}, "stone"}};
     s.material.regions[0].C1_Pa = 10 * (263 + 491);
@@ -242,7 +244,7 @@ TEST_CASE("regions of a solid shape stiffen springs and cells by what of them li
     for (std::size_t t = 0; t < stony->region.size() / 2; ++t) stony->region[t] = 1;
     const SpringMesh mesh = study_mesh(s, stony, "embedded");
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(2);
-    const Eigen::VectorXd soft = study_law(study(), shape(), mesh).constants(none), hard = study_law(s, stony, mesh).constants(none);
+    const Eigen::VectorXd soft = study_energy_model(study(), shape(), mesh).constants(none), hard = study_energy_model(s, stony, mesh).constants(none);
     const Eigen::VectorXd ratio = hard.cwiseQuotient(soft);
     CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
     CHECK(ratio.maxCoeff() == Approx(10).epsilon(tolerance::rounding));
@@ -260,7 +262,7 @@ TEST_CASE("regions of a solid shape stiffen springs and cells by what of them li
     CHECK(ground.col(3).sum() == Approx(std::log(10.0) * volume_m3).epsilon(tolerance::rounding));
     CHECK((ground.leftCols(3).transpose() * ground.col(3) / std::log(10.0) - moment).norm() < 1e-9 * moment.norm());
     s.springs.terms = {"spring.nodule", "contact.normal.ground"};
-    CHECK(study_law(s, stony, mesh).ground() == ground);
+    CHECK(study_energy_model(s, stony, mesh).ground() == ground);
     s.springs.terms = study().springs.terms;
     Cases cases = dome_cases();
     cases.shape = stony;
@@ -269,12 +271,13 @@ TEST_CASE("regions of a solid shape stiffen springs and cells by what of them li
     Study lumpy = study();
     lumpy.nodule = Study::Nodule{{10 * s.material.C1_Pa, 0, {}, {}}, Inclusion(Eigen::Vector3d(0, 0, 0.025), 0.01), {}};
     CHECK(untrained_model(lumpy, dome_cases(), {}).nodule.triangles.rows() == 320);
-    CHECK((own.cwiseQuotient(even) - ratio.head(mesh.spring_count())).norm() < 1e-9 * own.size());  // Van Gelder's
+    // Van Gelder's springs too
+    CHECK((own.cwiseQuotient(even) - ratio.head(mesh.spring_count())).norm() < 1e-9 * own.size());
     stony->region.assign(stony->region.size(), 1);
-    CHECK((study_law(s, stony, mesh).constants(none) - 10 * soft).norm() < 1e-9 * soft.norm());  // supports too
+    CHECK((study_energy_model(s, stony, mesh).constants(none) - 10 * soft).norm() < 1e-9 * soft.norm());  // supports too
 }
 
-TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the nearest; supports are as stiff as what they hold; what is too small to be seen is refused", "[solid_shape][long]") {
+TEST_CASE("lattice pieces and supports have the stiffness of their tissue and bed; an unsampled region is refused", "[solid_shape][long]") {
     Study s = study();
     s.file = "dome.toml";
     s.material.regions = {{{}, "stone"}};
@@ -291,7 +294,8 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     for (const Cells& pieces : {Cells(mesh.springs), mesh_cells(mesh)}) {
         const Eigen::VectorXd moduli = solid_moduli(s, stony, mesh, pieces);
         int right = 0, left = 0;
-        for (Eigen::Index e = 0; e < pieces.rows(); ++e) {  // 10 mm boxes: the border is jagged by no more than one
+        // the border between regions deviates from x = 0 by at most one box of 10 mm
+        for (Eigen::Index e = 0; e < pieces.rows(); ++e) {
             double low = 1, high = -1;
             for (int node : pieces.row(e)) {
                 low = std::min(low, mesh.nodes(node, 0));
@@ -307,31 +311,32 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     }
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(2);
     const Eigen::Index M = mesh.support_count();
-    const Eigen::VectorXd ratio = study_law(s, stony, mesh).constants(none).tail(M).cwiseQuotient(study_law(study(), shape(), mesh).constants(none).tail(M));
+    const Eigen::VectorXd ratio = study_energy_model(s, stony, mesh).constants(none).tail(M).cwiseQuotient(study_energy_model(study(), shape(), mesh).constants(none).tail(M));
     CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
     CHECK(ratio.maxCoeff() == Approx(10).epsilon(tolerance::rounding));
 
-    // on an elastic bed: a rigid bed's support and the bed, one after the other; nothing else changes
+    // elastic bed: the support of a rigid bed in series with the bed; all other constants are unchanged
     for (const auto& [of, on] : {std::pair<Study, std::optional<Shape>>{study(), shape()}, {s, stony}}) {
         Study bedded = of;
         bedded.geometry.fixed = {"bed", "wall"};
         bedded.geometry.bed_Pa_m = {3e5, 0};
-        CHECK_THAT(refusal<MismatchError>([&, &of_shape = on] { study_law(bedded, of_shape, mesh); }), Contains("it has to be made again (make mesh)"));
+        CHECK_THAT(refusal<MismatchError>([&, &of_shape = on] { study_energy_model(bedded, of_shape, mesh); }), Contains("make it again (make mesh)"));
         bedded.geometry.bed_Pa_m = {3e5, 3e5};
-        const Eigen::VectorXd whole = study_law(bedded, on, mesh).constants(none);  // a shape of before there were parts: all lies on it
+        // a shape without bed numbers lies on the bed everywhere
+        const Eigen::VectorXd whole = study_energy_model(bedded, on, mesh).constants(none);
         bedded.geometry.bed_Pa_m = {3e5, 0};
         std::optional<Shape> lain = on;
         lain->bed.assign(lain->fixed_facets.size(), 1);
-        const Eigen::VectorXd rigid = study_law(of, on, mesh).constants(none), elastic = study_law(bedded, lain, mesh).constants(none);
+        const Eigen::VectorXd rigid = study_energy_model(of, on, mesh).constants(none), elastic = study_energy_model(bedded, lain, mesh).constants(none);
         const Eigen::Index others = rigid.size() - M;
         CHECK(elastic.head(others) == rigid.head(others));
         CHECK(whole == elastic);
         lain->bed[0] = 2;
-        CHECK_THAT(refusal<MismatchError>([&] { study_law(bedded, lain, mesh); }), Contains("names a bed 2, and the study has 1"));
+        CHECK_THAT(refusal<MismatchError>([&] { study_energy_model(bedded, lain, mesh); }), Contains("has a bed 2, and the study has 1 beds"));
         const Eigen::ArrayXd compliance = rigid.tail(M).array().inverse() + (3e5 * held_areas(mesh)).array().inverse();
         CHECK((elastic.tail(M).array() * compliance - 1).abs().maxCoeff() < tolerance::rounding);
 
-        // one half on the bed: there it is the bed's, on the other the rigid one's, between them both by area
+        // bed under one half: elastic supports there, rigid ones on the other half, weighted by area between them
         int yes = 0, no = 0, both = 0;
         std::vector<int> in(static_cast<std::size_t>(mesh.node_count()), 0);
         for (std::size_t f = 0; f < lain->fixed_facets.size(); ++f) {
@@ -340,7 +345,7 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
             lain->bed[f] = x < 0;
             for (int node : lain->fixed_facets[f]) in[static_cast<std::size_t>(node)] |= x < 0 ? 1 : 2;
         }
-        const Eigen::VectorXd half = study_law(bedded, lain, mesh).constants(none);
+        const Eigen::VectorXd half = study_energy_model(bedded, lain, mesh).constants(none);
         for (Eigen::Index m = 0; m < M; ++m) {
             const int where = in[static_cast<std::size_t>(mesh.fixed[static_cast<std::size_t>(m)])];
             const double k = half[others + m], on_bed = elastic[others + m], on_rock = rigid[others + m];
@@ -352,11 +357,11 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
         CHECK((yes > 3 && no > 3 && both > 1));
     }
 
-    // a branch that the stone has not, and no support
+    // a Maxwell branch that neither the region nor the supports have
     s.material.viscosity = {{0.3, 1.0}};
     s.material.share = {0.3};
     s.material.regions[0].share = {0.0};
-    const Relaxation r = study_relaxation(s, stony, mesh, study_law(s, stony, mesh));
+    const Relaxation r = study_relaxation(s, stony, mesh, study_energy_model(s, stony, mesh));
     REQUIRE(r.share.rows() == ratio.size() + mesh.spring_count() + cell_count(mesh));
     CHECK(r.share.bottomRows(M).isZero(0));
     const Eigen::VectorXd springs = r.share.col(0).head(mesh.spring_count());
@@ -365,9 +370,9 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
 
     std::optional<Shape> more = stony;
     more->region[7] = 2;
-    CHECK_THAT(refusal<MismatchError>([&] { study_law(s, more, mesh); }), Contains("has a region 2, and study") && Contains("names 1"));
+    CHECK_THAT(refusal<MismatchError>([&] { study_energy_model(s, more, mesh); }), Contains("has region 2, and study") && Contains("only 1"));
 
-    // one tetrahedron of a fine mesh, between all points
+    // a region of one tetrahedron of a fine mesh, between all sample points
     std::optional<Shape> fine = dome(30);
     fine->region.assign(fine->region.size(), 0);
     std::size_t least = 0;
@@ -376,10 +381,10 @@ TEST_CASE("of what reaches out of a solid shape the tissue inside counts, or the
     fine->region[least] = 1;
     s.springs.spacing_m = 0.025;
     const SpringMesh coarse = study_mesh(s, fine, "embedded");
-    CHECK_THAT(refusal<StudyError>([&] { study_law(s, fine, coarse); }), StartsWith("dome.toml: key 'material.regions.stone': no point of the lattice's cubes (25 mm, 64 points each) lies in this volume"));
+    CHECK_THAT(refusal<StudyError>([&] { study_energy_model(s, fine, coarse); }), StartsWith("dome.toml: key 'material.regions.stone': no point of the lattice's cubes (25 mm, 64 points each) is in this region"));
 }
 
-TEST_CASE("of pushes that take turns a first model has as many of each, from all over", "[solid_shape][long]") {
+TEST_CASE("a first model's eight paths include every direction about equally and contacts of the whole list", "[solid_shape][long]") {
     for (const std::size_t kinds : {2U, 3U})
         for (int count = 9; count <= 34; ++count) {
             CAPTURE(kinds, count);
@@ -404,36 +409,36 @@ TEST_CASE("of pushes that take turns a first model has as many of each, from all
         }
 }
 
-TEST_CASE("a nodule in a solid shape stiffens springs and cells by what of them lies in it, and the contacts above", "[solid_shape]") {
+TEST_CASE("a nodule stiffens cells of a solid shape by their fraction inside and enters its contact terms", "[solid_shape]") {
     Study s = study();
     s.nodule = stone();
     const SpringMesh mesh = study_mesh(s, shape(), "embedded");
     const Eigen::VectorXd inside = fraction_inside(mesh, mesh_cells(mesh), s.nodule->inclusion);
     const double ball_m3 = 4.0 / 3 * 3.14159265358979 * std::pow(0.009, 3);
-    CHECK(inside.sum() * std::pow(0.011, 3) == Approx(ball_m3).epsilon(0.03));  // by 64 points a cube
+    CHECK(inside.sum() * std::pow(0.011, 3) == Approx(ball_m3).epsilon(0.03));  // sampled at 64 points per cube
     const double E = 6 * 754.0;
     CHECK((solid_moduli(s, shape(), mesh, mesh_cells(mesh)) - (E * (1 + 3 * inside.array())).matrix()).norm() < 1e-9 * E);
     s.springs.terms = {"spring.nodule", "cell.nodule", "contact.normal.ground"};
-    const EnergyLaw law = study_law(s, shape(), mesh);
-    const Eigen::VectorXd none = Eigen::VectorXd::Zero(3), plain = study_law(study(), shape(), mesh).constants(Eigen::VectorXd::Zero(2));
+    const EnergyModelTerms law = study_energy_model(s, shape(), mesh);
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(3), plain = study_energy_model(study(), shape(), mesh).constants(Eigen::VectorXd::Zero(2));
     const Eigen::VectorXd ratio = law.constants(none).cwiseQuotient(plain);
     CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
     CHECK(ratio.maxCoeff() > 2);
     CHECK(ratio.maxCoeff() <= 4 * (1 + tolerance::rounding));
     Eigen::VectorXd one = none;
-    one << 1, 0, 0;  // a power of E / E of the base material: exp(1 log of it)
+    one << 1, 0, 0;  // factor (E / E of the base material)^p with p = 1
     const Eigen::VectorXd more = law.constants(one).cwiseQuotient(law.constants(none)).head(mesh.spring_count());
     CHECK((more - ratio.head(mesh.spring_count())).norm() < 1e-9 * more.norm());
     CHECK(law.ground() == nodule_points(s));
     CHECK(law.ground().col(3).sum() == Approx(std::log(4.0) * ball_m3).epsilon(1e-6));
-    // with the plan's words for gmsh and FreeFEM
+    // arguments for gmsh and FreeFEM
     s.geometry.shape = "fem/dome.geo";
     s.name = "dome";
     CHECK_THAT(make_plan(s, shape()).parts.at("path-" + solid_training(s, shape())[0].name),
                Contains(" -nodule_x 0.01 -nodule_y 0 -nodule_z 0.03 -nodule_radius 0.009 -C1_11 3016 -C2_11 0 -contact_x "));
 }
 
-TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes round", "[solid_shape][long]") {
+TEST_CASE("a nodule given by the surface file of a ball stiffens the same cells as the ball", "[solid_shape][long]") {
     Study s = study();
     s.name = "dome", s.file = "dome.toml", s.geometry.shape = "fem/dome.geo";
     s.nodule = stone();
@@ -452,7 +457,8 @@ TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes
     };
     enclosed(centre_m);
     const double E = s.material.youngs_modulus_Pa();
-    CHECK((solid_moduli(s, shape(), mesh, mesh_cells(mesh)) - ball).cwiseAbs().maxCoeff() < 0.05 * 3 * E);  // one of 64 points of a cube may lie between
+    // one of the 64 points of a cube may lie between both surfaces
+    CHECK((solid_moduli(s, shape(), mesh, mesh_cells(mesh)) - ball).cwiseAbs().maxCoeff() < 0.05 * 3 * E);
     const NodeField round = nodule_points(s);
     CHECK(round.col(3).sum() == Approx(points.col(3).sum()).epsilon(2e-3));
     CHECK((round.leftCols(3).colwise().mean() - points.leftCols(3).colwise().mean()).norm() < 1e-4);
@@ -462,19 +468,19 @@ TEST_CASE("a nodule of a surface's file stiffens what the ball does that it goes
     CHECK_THAT(make_plan(s, shape()).parts.at("path-" + solid_training(s, shape())[0].name), Contains(" -nodule_shape stone.stl -nodule_x 0.0"));
     CHECK_THAT(make_plan(s, shape()).fragment, Contains("$(R)/plan.mk: $(wildcard stone.stl)"));
     s.nodule->shape = "a stone.stl";
-    CHECK_THAT(refusal<StudyError>([&] { make_plan(s, shape()); }), Contains("key 'nodule.shape': 'a stone.stl': make cannot carry this name"));
+    CHECK_THAT(refusal<StudyError>([&] { make_plan(s, shape()); }), Contains("key 'nodule.shape': 'a stone.stl': make does not support this name"));
 
     enclosed({0.01, 0, 0.0095});
     CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), StartsWith("dome.toml: key 'nodule.shape': (") && Contains("stone.stl is ") && Contains("half of mesh.sizes_m[0]"));
     enclosed({0.01, 0, 0.2});
     CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, *shape()); }), Contains("stone.stl is not inside fem/dome.geo"));
-    enclosed(centre_m, 0.05, 0.7);  // a slanted disc, in which a box has few points
+    enclosed(centre_m, 0.05, 0.7);  // a thin tilted disc contains few points of a grid in its bounding box
     CHECK(nodule_points(s).rows() >= 50);
     enclosed(centre_m, 1e-3);
-    CHECK_THAT(refusal<StudyError>([&] { study_law(s, shape(), mesh); }), StartsWith("dome.toml: key 'nodule.shape': no point of the lattice's cubes") && Contains("make springs.spacing_m smaller"));
+    CHECK_THAT(refusal<StudyError>([&] { study_energy_model(s, shape(), mesh); }), StartsWith("dome.toml: key 'nodule.shape': no point of the lattice's cubes") && Contains("make springs.spacing_m smaller"));
 }
 
-TEST_CASE("all of a nodule's surface lies inside, not its corners alone", "[solid_shape]") {
+TEST_CASE("a nodule surface that crosses a notch of the shape is refused even if its corners are inside", "[solid_shape]") {
     const Shape block = solid_block(Lattice{{3, 1, 2}, {0.09, 0.04, 0.06}});
     Shape notched{block.nodes, Cells(0, 4), {}, {}, {}};  // the middle of its upper half is missing
     for (const auto& t : block.simplices.rowwise()) {
@@ -500,7 +506,7 @@ TEST_CASE("all of a nodule's surface lies inside, not its corners alone", "[soli
     CHECK_THAT(refusal<StudyError>([&] { refuse_nodule_outside(s, notched); }), StartsWith("notched.toml: key 'nodule.shape': (") && Contains(" of bar.stl is "));
 }
 
-TEST_CASE("a nodule that is not well inside its shape is refused by key and place", "[solid_shape]") {
+TEST_CASE("a nodule outside a solid shape or near its surface is refused by key and place", "[solid_shape]") {
     Study s = study();
     s.file = "dome.toml";
     s.geometry.shape = "dome.geo";
@@ -520,11 +526,11 @@ TEST_CASE("a nodule that is not well inside its shape is refused by key and plac
     refuse_nodule_outside(s, *shape());
 }
 
-TEST_CASE("cases of a solid shape read back the same, in any dataset changed in any way are refused in one line or well", "[solid_shape]") {
+TEST_CASE("cases of a solid shape are read back unchanged and with an altered dataset are refused or valid", "[solid_shape]") {
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.h5"), file = folder.file("cases.h5");
     Cases cases = dome_cases();
-    cases.shape = dome(4);  // small: every dataset is read many times
+    cases.shape = dome(4);  // small, because every dataset is read many times
     cases.nodes = cases.shape->nodes;
     for (LoadPath& path : cases.paths)
         for (PathRecord& r : path.records) r.displacement = r.force = NodeField::Constant(cases.nodes.rows(), 3, r.magnitude_m);
@@ -539,7 +545,7 @@ TEST_CASE("cases of a solid shape read back the same, in any dataset changed in 
     REQUIRE(found.size() == Hdf5Reader(whole, "cases").datasets().size());
     int refused = 0;
     for (const auto& [dataset, rule] : found) {
-        if (dataset.rfind("/paths/", 0) == 0) continue;  // tests/cases/test_solid_cases.cpp has them
+        if (dataset.rfind("/paths/", 0) == 0) continue;  // in tests/cases/test_solid_cases.cpp
         for (const Mutation& mutation : mutations(whole, dataset, table)) {
             INFO(dataset << ": " << mutation.name);
             std::filesystem::copy_file(whole, file, std::filesystem::copy_options::overwrite_existing);
@@ -558,11 +564,11 @@ TEST_CASE("cases of a solid shape read back the same, in any dataset changed in 
     CHECK(refused > 20);
 }
 
-TEST_CASE("a study's shape in space is read where the study is in space", "[solid_shape]") {
+TEST_CASE("a solid study reads its shape from a mesh file and refuses a plane shape", "[solid_shape]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("mesh.msh", to_msh(*shape(), {}));
     CHECK(study_shape(study(), file)->simplices.rows() == shape()->simplices.rows());
     CHECK_THAT(refusal<MismatchError>([&] { study_shape(study(), ""); }), Contains("--mesh"));
     const Shape plane = shape_of(make_lattice("grid4", 4, 4, 0.1, 0.1));
-    CHECK_THAT(refusal<MismatchError>([&] { study_mesh(study(), plane, "embedded"); }), Contains("other dimensions"));
+    CHECK_THAT(refusal<MismatchError>([&] { study_mesh(study(), plane, "embedded"); }), Contains("different dimensions"));
 }

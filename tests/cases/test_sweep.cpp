@@ -14,7 +14,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// The example swept over the surface, with contacts drawn to prove with.
+/// The example with contacts spaced over the surface, and with a drawn validation and test set.
 std::string swept_text() {
     const std::string& text = example_study_text();
     const std::size_t from = text.find("paths = ["), to = text.find("[springs]");
@@ -36,7 +36,7 @@ Outline outline() {
 
 }  // namespace
 
-TEST_CASE("a listed study solves its list, path by path, to its depth") {
+TEST_CASE("a study with listed paths plans them in order to the largest magnitude") {
     const Study study = example_study();
     const auto paths = planned_paths(study);
     REQUIRE(paths.size() == 2);
@@ -46,7 +46,7 @@ TEST_CASE("a listed study solves its list, path by path, to its depth") {
     CHECK(paths[1].records == 4);
 }
 
-TEST_CASE("every path of a sweep has its own name and pushes from the free surface into the tissue") {
+TEST_CASE("every path of a sweep has a unique name and points from the free surface into the tissue") {
     std::set<std::string> names;
     for (const PlannedPath& p : planned_paths(swept())) {
         CHECK(names.insert(p.push.name).second);
@@ -60,10 +60,11 @@ TEST_CASE("every path of a sweep has its own name and pushes from the free surfa
     }
 }
 
-TEST_CASE("training contacts nearer than 0.1 mm, and pushes nearer than a degree, have names of their own") {
+TEST_CASE("training contacts within 0.1 mm and directions within one degree get distinct names") {
     Study study = swept();
-    study.loads.sweep->spacing_m = 0.02501;           // the fourth contact is 0.03 mm from the corner, which is one too
-    study.loads.sweep->angles_deg = {-45, 0, 0.3, 45};  // 45 degrees off a corner's bisector, and off a side
+    study.loads.sweep->spacing_m = 0.02501;  // the fourth contact is 0.03 mm from the contact at the corner
+    // 45 degrees from the bisector of a corner, and from the normal of a side
+    study.loads.sweep->angles_deg = {-45, 0, 0.3, 45};
     std::set<std::string> names;
     std::vector<Eigen::Vector4d> pushes;
     for (const PlannedPath& p : planned_paths(study)) {
@@ -76,19 +77,19 @@ TEST_CASE("training contacts nearer than 0.1 mm, and pushes nearer than a degree
             return (p.head(2) - Eigen::Vector2d(x, y)).norm() < 1e-9;
         });
     };
-    CHECK(count(0.1, 0.02500) == 4);  // none of the study's own pushes is left out
+    CHECK(count(0.1, 0.02500) == 4);  // none of the study's own directions is left out
     CHECK(count(0.1, 0.1) >= 4);
     CHECK(count(0.09997, 0.1) == 4);
 }
 
-TEST_CASE("names are as short as they can be: 0.1 mm and a degree where that tells all contacts apart") {
+TEST_CASE("path names have 0.1 mm and one degree resolution if that distinguishes all contacts") {
     std::set<std::string> names;
     for (const PlannedPath& p : planned_paths(swept())) names.insert(p.push.name);
     for (const char* name : {"s0250-m030", "s0250-p000", "s0500-p030", "s1000-p045", "held-out-0001", "validation-0010"})
         CHECK(names.count(name) == 1);
 }
 
-TEST_CASE("a listed path that is named as the check of another is refused before anything is solved") {
+TEST_CASE("a listed path with the name of another path's mesh check is refused in planning") {
     Study study = example_study();
     study.check_refine = 2 * study.refine;
     study.check_fraction = 1;
@@ -96,10 +97,10 @@ TEST_CASE("a listed path that is named as the check of another is refused before
     CHECK_THAT(refusal<MismatchError>([&] { planned_paths(study); }), Contains("'" + study.loads.paths[1].name + "'"));
 }
 
-TEST_CASE("of training contacts that mirror each other one is solved") {
+TEST_CASE("one of two training contacts that mirror each other is solved") {
     for (const PlannedPath& p : planned_paths(swept())) {
         if (p.role != "train") continue;
-        // counter-clockwise from the bottom right: the first half of the surface is the right one
+        // the surface runs counter-clockwise from the bottom right, so its first half is the right one
         CHECK(p.push.contact_m.x() >= 0.05 - tolerance::rounding);
         if (p.push.contact_m.x() < 0.05 + tolerance::rounding) {
             const Eigen::Vector2d middle(0.05, 0.1);
@@ -108,8 +109,8 @@ TEST_CASE("of training contacts that mirror each other one is solved") {
     }
 }
 
-TEST_CASE("drawn contacts are at least 2 mm or 5 degrees from every training contact, mirrored ones too") {
-    Study askew = swept();  // spaced from one end of the surface, not from both: images of contacts lie between contacts
+TEST_CASE("drawn contacts are at least 2 mm or 5 degrees from training contacts and their mirror images") {
+    Study askew = swept();  // spaced from one end of the surface, so that mirror images lie between contacts
     askew.loads.sweep->spacing_m = 0.020;
     askew.loads.sweep->clearance_m = 0.015;
     for (Study::Draws& draws : askew.draws) draws.count = 200;
@@ -137,7 +138,7 @@ TEST_CASE("drawn contacts are at least 2 mm or 5 degrees from every training con
     }
 }
 
-TEST_CASE("a sweep's contacts keep its clearance from both ends of the surface, corners too: low blocks have theirs nearer") {
+TEST_CASE("contacts on a low block keep the sweep's clearance from both ends of the surface") {
     Study low = swept();
     low.geometry.height_m = 0.012;
     low.loads.sweep->spacing_m = 0.020;
@@ -152,7 +153,7 @@ TEST_CASE("a sweep's contacts keep its clearance from both ends of the surface, 
     }
 }
 
-TEST_CASE("the draws are the seed's: the same for the same, others for another") {
+TEST_CASE("the same seed draws the same contacts and another seed draws others") {
     const auto one = planned_paths(swept()), same = planned_paths(swept());
     Study other = swept();
     other.draws[0].seed += 100;
@@ -168,25 +169,25 @@ TEST_CASE("the draws are the seed's: the same for the same, others for another")
     CHECK(different >= 10);
 }
 
-TEST_CASE("a sweep of more contacts than anyone solves is refused before they are listed") {
+TEST_CASE("a sweep of more than 10000 contacts is refused by key") {
     Study endless = swept();
     endless.loads.sweep->spacing_m = 1e-9;
     CHECK_THAT(refusal<MismatchError>([&] { planned_paths(endless); }), Contains("loads.sweep.spacing_m") && Contains("10000"));
 }
 
-TEST_CASE("a surface with no place that keeps the sweep's clearance is refused") {
+TEST_CASE("a sweep whose clearance leaves no place on the surface is refused by key") {
     Study small = swept();
-    small.loads.sweep->clearance_m = 0.16;  // of 0.3 m, from both ends
+    small.loads.sweep->clearance_m = 0.16;  // from both ends of a surface of 0.3 m
     CHECK_THAT(refusal<MismatchError>([&] { planned_paths(small); }), Contains("loads.sweep.clearance_m") && Contains("0.16"));
 }
 
-TEST_CASE("a draw without room between the training contacts is refused by name") {
+TEST_CASE("a draw without room between the training contacts is refused by key") {
     Study crowded = swept();
     crowded.loads.sweep->spacing_m = 0.001;
     crowded.loads.sweep->angles_deg = {-6, -3, 0, 3, 6};
     for (Study::Draws& draws : crowded.draws) {
         draws.max_angle_deg = 5;
-        draws.count = 100'000;  // as soon as for one: tries are counted for each contact
+        draws.count = 100'000;  // refused as soon as for one: tries are counted for each contact
     }
     CHECK_THAT(refusal<MismatchError>([&] { planned_paths(crowded); }), Contains("draws."));
 }

@@ -16,9 +16,9 @@ const SpringMesh& block() {
     return mesh;
 }
 
-/// What springs `theta` say at some contacts, between nodes too.
-std::vector<ContactTruth> truths(const SpringLaw& law, const Eigen::VectorXd& theta) {
-    std::vector<ContactTruth> list;
+/// References computed with springs `theta` at some contacts, also between nodes.
+std::vector<ContactReference> truths(const SpringLaw& law, const Eigen::VectorXd& theta) {
+    std::vector<ContactReference> list;
     for (const auto& [x, y, dx, dy] : std::vector<std::array<double, 4>>{
              {0, 0.04, 0.01, 0}, {0.1, 0.071, -0.005, -0.004}, {0.033, 0.1, 0.001, -0.01}}) {
         const SurfacePoint contact = locate_on_surface(block(), {x, y});
@@ -31,21 +31,21 @@ std::vector<ContactTruth> truths(const SpringLaw& law, const Eigen::VectorXd& th
 }
 
 ContactError error_of_springs(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                              const ContactTruth& truth) {
+                              const ContactReference& truth) {
     return error_of(answer_of(mesh, law, theta, truth), truth, mesh);
 }
 
-/// The first truth of springs, and the answer that agrees with it.
-ContactTruth seen() { return truths(*make_spring_law("axial"), example_theta(block()))[0]; }
-ContactAnswer agreeing(const ContactTruth& truth) { return {truth.force_N, truth.displacement_m}; }
+/// The first of these references, and an answer equal to a reference.
+ContactReference seen() { return truths(*make_spring_law("axial"), example_theta(block()))[0]; }
+ContactAnswer agreeing(const ContactReference& truth) { return {truth.force_N, truth.displacement_m}; }
 
 }  // namespace
 
-TEST_CASE("springs that are the truth have no closed-loop error; half as stiff ones one half of force and none of shape") {
+TEST_CASE("springs of the reference have no indentation errors; half the stiffness gives half the force") {
     for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
         const Eigen::VectorXd theta = example_theta(block());
-        for (const ContactTruth& truth : truths(*law, theta)) {
+        for (const ContactReference& truth : truths(*law, theta)) {
             const ContactError own = error_of_springs(block(), *law, theta, truth),
                                half = error_of_springs(block(), *law, theta / 2, truth);
             CHECK(own.force.value() <= tolerance::newton);
@@ -59,19 +59,19 @@ TEST_CASE("springs that are the truth have no closed-loop error; half as stiff o
     }
 }
 
-TEST_CASE("the closed-loop error counts the force across the push as well") {
+TEST_CASE("the indentation error of force includes components across the tool displacement") {
     const auto law = make_spring_law("axial");
     const Eigen::VectorXd theta = example_theta(block());
-    ContactTruth truth = truths(*law, theta)[1];
+    ContactReference truth = truths(*law, theta)[1];
     const Eigen::Vector2d force = truth.force_N;
-    truth.force_N = Eigen::Vector2d(-force.y(), force.x());  // as strong, a quarter turn away
+    truth.force_N = Eigen::Vector2d(-force.y(), force.x());  // of the same size, rotated by 90 degrees
     const ContactError error = error_of_springs(block(), *law, theta, truth);
     CHECK(error.force.value() == Approx(std::sqrt(2)).epsilon(tolerance::solve));
-    CHECK(error.shape.value() <= tolerance::newton);  // the eye sees nothing of it
+    CHECK(error.shape.value() <= tolerance::newton);  // displacements are not affected
 }
 
-TEST_CASE("half the displacement is a shape error of one half, and none at all one of one") {
-    const ContactTruth truth = seen();
+TEST_CASE("half the displacements have a displacement error of 1/2 and zero displacements an error of 1") {
+    const ContactReference truth = seen();
     ContactAnswer answer = agreeing(truth);
     CHECK(error_of(answer, truth, block()).shape.value() == 0);
     answer.displacement_m /= 2;
@@ -83,8 +83,8 @@ TEST_CASE("half the displacement is a shape error of one half, and none at all o
           Approx(truth.displacement_m.rowwise().norm().maxCoeff() / truth.push_m.norm()).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("an offset of all free nodes is its length over their rms displacement, and over the depth") {
-    const ContactTruth truth = seen();
+TEST_CASE("a uniform offset is an error of its length over rms displacement and over tool displacement") {
+    const ContactReference truth = seen();
     ContactAnswer answer = agreeing(truth);
     const Eigen::RowVector2d offset(0.0003, -0.0004);
     answer.displacement_m.rowwise() += offset;
@@ -97,8 +97,8 @@ TEST_CASE("an offset of all free nodes is its length over their rms displacement
     CHECK(error.shape_max_over_depth.value() == Approx(0.0005 / 0.01).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("one node astray is the largest node error, its part of the mesh in the rms") {
-    const ContactTruth truth = seen();
+TEST_CASE("an error at one node is the largest node error and its part of the rms") {
+    const ContactReference truth = seen();
     ContactAnswer answer = agreeing(truth);
     answer.displacement_m(block().node_count() - 1, 0) += 0.002;
     const ContactError error = error_of(answer, truth, block());
@@ -106,8 +106,8 @@ TEST_CASE("one node astray is the largest node error, its part of the mesh in th
     CHECK(error.shape.value() == Approx(0.002 / truth.displacement_m.norm()).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("free nodes alone count for shape: what stands at held ones is nobody's answer") {
-    ContactTruth truth = seen();
+TEST_CASE("fixed nodes do not count in the displacement error") {
+    ContactReference truth = seen();
     ContactAnswer answer = agreeing(truth);
     answer.displacement_m /= 2;
     for (int node : block().fixed) {
@@ -119,8 +119,8 @@ TEST_CASE("free nodes alone count for shape: what stands at held ones is nobody'
     CHECK(error.shape_max_over_depth.value() < 1);
 }
 
-TEST_CASE("where answer or truth has no displacement there is a force error and no shape error") {
-    ContactTruth truth = seen();
+TEST_CASE("without displacements of answer or reference only the force error exists") {
+    ContactReference truth = seen();
     ContactAnswer answer = agreeing(truth);
     answer.displacement_m.resize(0, 2);  // a table of forces
     const ContactError table = error_of(answer, truth, block());
@@ -128,13 +128,13 @@ TEST_CASE("where answer or truth has no displacement there is a force error and 
     CHECK_FALSE(table.shape);
     CHECK_FALSE(table.shape_max_over_depth);
     answer = agreeing(truth);
-    truth.displacement_m.resize(0, 2);  // measured: nobody saw inside
+    truth.displacement_m.resize(0, 2);  // measured: no displacement field
     CHECK(error_of(answer, truth, block()).force.value() == 0);
     CHECK_FALSE(error_of(answer, truth, block()).shape);
 }
 
-TEST_CASE("an answer that is not finite is none: its errors are infinite, not left out") {
-    const ContactTruth truth = seen();
+TEST_CASE("a non-finite answer counts as missing with infinite errors") {
+    const ContactReference truth = seen();
     for (const bool of_force : {true, false}) {
         ContactAnswer answer = agreeing(truth);
         (of_force ? (*answer.force_N)[0] : answer.displacement_m(7, 1)) = std::nan("");
@@ -147,20 +147,20 @@ TEST_CASE("an answer that is not finite is none: its errors are infinite, not le
     }
 }
 
-TEST_CASE("the same nodes in another topology are compared one by one") {
+TEST_CASE("displacements of another topology are compared at the same nodes") {
     const SpringMesh axes = make_lattice("grid4", 5, 5, 0.1, 0.1);
     const auto law = make_spring_law("isotropic");
-    for (const ContactTruth& truth : truths(*make_spring_law("axial"), example_theta(block()))) {
+    for (const ContactReference& truth : truths(*make_spring_law("axial"), example_theta(block()))) {
         const ContactError error = error_of_springs(axes, *law, uniform_stiffness(axes, 1), truth);
         CHECK(error.shape.value() > 0.01);
         CHECK(error.shape.value() < 2);
     }
 }
 
-TEST_CASE("statistics of many contacts are of all that were drawn: those missing are infinite, and the reasons stand beside") {
+TEST_CASE("contact statistics count all drawn contacts with missing answers as infinite and list reasons") {
     constexpr double none = std::numeric_limits<double>::infinity();
     const std::vector<ContactError> errors = {{0.1, 0.3, 0.5, ""}, {none, none, none, "it folds"}, {0.2, {}, {}, ""}, {0.3, 0.4, 0.6, ""},
-                                              {none, none, none, "it folds"}, {{}, {}, {}, "nothing is relative to no force"}};
+                                              {none, none, none, "it folds"}, {{}, {}, {}, "the reference force is zero"}};
     const ContactStatistics s = contact_statistics(errors, 4);
     CHECK(s.force.n == 3);
     CHECK(s.force.of() == 10);
@@ -172,10 +172,10 @@ TEST_CASE("statistics of many contacts are of all that were drawn: those missing
     CHECK(s.shape.of() == 10);
     CHECK(std::isinf(s.shape.median));
     CHECK(std::isinf(s.shape_max_over_depth.max));
-    CHECK(s.reasons == "it folds (2); nothing is relative to no force (1)");
+    CHECK(s.reasons == "it folds (2); the reference force is zero (1)");
 }
 
-TEST_CASE("the best uniform stiffness of a uniform tissue is its own") {
+TEST_CASE("the best uniform stiffness of a uniform tissue is its own stiffness") {
     for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
         const double k = 0.8;
@@ -185,12 +185,12 @@ TEST_CASE("the best uniform stiffness of a uniform tissue is its own") {
     }
 }
 
-TEST_CASE("the best uniform stiffness is not chosen on those contacts alone that have an answer") {
+TEST_CASE("no best uniform stiffness exists if half of the contacts have no answer") {
     const auto law = make_spring_law("axial");
-    const std::vector<ContactTruth> known = truths(*law, uniform_stiffness(block(), 0.8));
-    const ContactTruth on_fixed{locate_on_surface(block(), {0.03, 0.0}), Eigen::Vector2d(0, 0.01), Eigen::Vector2d(0, 1)};
-    std::vector<ContactTruth> some = {known[0], known[1], known[2], on_fixed, on_fixed};
-    CHECK(best_uniform_stiffness(block(), *law, some, 0.05, 40));  // the median is an answer's
+    const std::vector<ContactReference> known = truths(*law, uniform_stiffness(block(), 0.8));
+    const ContactReference on_fixed{locate_on_surface(block(), {0.03, 0.0}), Eigen::Vector2d(0, 0.01), Eigen::Vector2d(0, 1)};
+    std::vector<ContactReference> some = {known[0], known[1], known[2], on_fixed, on_fixed};
+    CHECK(best_uniform_stiffness(block(), *law, some, 0.05, 40));  // the median error is finite
     some.push_back(on_fixed);
     CHECK_FALSE(best_uniform_stiffness(block(), *law, some, 0.05, 40));
 }
@@ -203,13 +203,13 @@ TEST_CASE("the best uniform stiffness stays in its range") {
     CHECK(best_uniform_stiffness(block(), *law, truth, 5.0, 9.0).value() >= 5.0);
 }
 
-TEST_CASE("a mesh with zero-energy modes has neither a closed-loop error nor a best uniform stiffness") {
+TEST_CASE("a mesh with zero-energy modes has no answer and no best uniform stiffness") {
     const SpringMesh grid4 = make_lattice("grid4", 5, 5, 0.1, 0.1);
     const auto law = make_spring_law("axial");
-    const ContactTruth truth{locate_on_surface(grid4, {0, 0.04}), Eigen::Vector2d(0.01, 0), Eigen::Vector2d(1, 0)};
+    const ContactReference truth{locate_on_surface(grid4, {0, 0.04}), Eigen::Vector2d(0.01, 0), Eigen::Vector2d(1, 0)};
     const ContactError error = error_of_springs(grid4, *law, heuristic_stiffness(grid4, 1), truth);
     CHECK(std::isinf(error.force.value()));  // a missing answer
-    CHECK_FALSE(error.shape);                // nobody has seen the truth's
+    CHECK_FALSE(error.shape);                // the reference has no displacement field
     CHECK_THAT(error.reason, Contains("zero-energy modes"));
     CHECK_FALSE(best_uniform_stiffness(grid4, *law, {truth}, 0.05, 40));
 }

@@ -24,7 +24,7 @@ struct Example {
     TrainedModel model;
 };
 
-/// Learned sets are the truth itself, so every error of theirs vanishes.
+/// The learned sets are those of the reference, so that all their errors vanish.
 const Example& perfect() {
     static const Example example = [] {
         const Study study = example_study();
@@ -41,7 +41,7 @@ Evaluation evaluated(const TrainedModel& model, const Cases& cases) {
 
 }  // namespace
 
-TEST_CASE("learned springs that are the truth have no error of any kind, the heuristic has one of each") {
+TEST_CASE("learned springs equal to the reference have no errors and the heuristic has every kind of error") {
     const Evaluation e = evaluated(perfect().model, perfect().cases);
     CHECK(e.models.front().name == "learned");
     const ModelErrors &learned = e.model("learned"), &heuristic = e.model("heuristic_a");
@@ -56,7 +56,7 @@ TEST_CASE("learned springs that are the truth have no error of any kind, the heu
     CHECK(heuristic.closed_loop().shape.median > 0.01);
 }
 
-TEST_CASE("every table has the learned sets, the other optimiser's, the optimum and all baselines") {
+TEST_CASE("the evaluation has learned sets of both optimisers and the optimum and all baselines") {
     const Evaluation e = evaluated(perfect().model, perfect().cases);
     for (const char* name : {"learned", "learned_spsa_2008", "optimum", "heuristic_a", "heuristic_b", "uniform"}) {
         CHECK(e.model(name).cases.size() == e.case_names.size());
@@ -64,7 +64,7 @@ TEST_CASE("every table has the learned sets, the other optimiser's, the optimum 
     CHECK_THAT(refusal<MismatchError>([&] { e.model("magic"); }), Contains("magic"));
 }
 
-TEST_CASE("the optimum's loss is nowhere above any other model's") {
+TEST_CASE("the optimum has the least loss of all models within the box") {
     const Example& x = perfect();
     const TrainedModel trained = train_sets(x.study, x.cases, 1);
     const Evaluation e = evaluated(trained, x.cases);
@@ -76,14 +76,14 @@ TEST_CASE("the optimum's loss is nowhere above any other model's") {
         }
 }
 
-TEST_CASE("heuristic_a is six times heuristic_b, and so are its forces") {
+TEST_CASE("forces of heuristic_a are six times those of heuristic_b") {
     const Evaluation e = evaluated(perfect().model, perfect().cases);
     for (std::size_t c = 0; c < e.case_names.size(); ++c)
         CHECK(e.model("heuristic_a").cases[c].open_loop.resolved_force_N ==
               Approx(6 * e.model("heuristic_b").cases[c].open_loop.resolved_force_N).epsilon(tolerance::solve));
 }
 
-TEST_CASE("a force curve begins at rest, ends at the deepest push, and meets FE where springs are the truth") {
+TEST_CASE("a force curve runs from rest to the largest magnitude and equals FE for reference springs") {
     const Evaluation e = evaluated(perfect().model, perfect().cases);
     REQUIRE(e.curves.size() == 2);
     for (const ForceCurve& curve : e.curves) {
@@ -93,13 +93,13 @@ TEST_CASE("a force curve begins at rest, ends at the deepest push, and meets FE 
         for (std::size_t r = 0; r < curve.fe_N.size(); ++r)
             CHECK(curve.model_force_N[0][r] ==
                   Approx(curve.fe_N[r]).epsilon(tolerance::solve).margin(tolerance::rounding));
-        // 0, 2, 4, 6, 8 mm are served by the nearest set; half-way the smaller magnitude serves
+        // 0, 2, 4, 6, 8 mm use the set of the nearest magnitude, half-way that of the smaller one
         const std::string shallow = curve.path + "-4mm", deep = curve.path + "-8mm";
         CHECK(curve.serving_set == std::vector<std::string>{shallow, shallow, shallow, shallow, deep});
     }
 }
 
-TEST_CASE("a path that FE lost before its first load case has no force curve of another's springs, and stands among the lost") {
+TEST_CASE("a path that FE ended before its first load case has no force curve and is listed") {
     const Example& x = perfect();
     Cases cases = x.cases;
     LoadPath& lost = cases.paths.back();
@@ -121,7 +121,7 @@ TEST_CASE("a path that FE lost before its first load case has no force curve of 
     CHECK_FALSE(nlohmann::json::parse(to_json(evaluated(x.model, x.cases), 11)).contains("lost"));
 }
 
-TEST_CASE("where FE has no force no error is relative to it: it is absent with its reason, and n counts the others") {
+TEST_CASE("errors relative to a zero FE force are absent with a reason and not counted in n") {
     const Example& x = perfect();
     for (const char* objective : {"force", "contact"}) {
         Study study = x.study;
@@ -129,7 +129,7 @@ TEST_CASE("where FE has no force no error is relative to it: it is absent with i
         Cases cases = x.cases, fewer = x.cases;
         fewer.paths.pop_back();
         for (PathRecord& r : cases.paths.back().records) r.force.setZero(), r.contact_force_N.setZero();
-        for (Cases* some : {&cases, &fewer}) {  // a drawn contact of each kind
+        for (Cases* some : {&cases, &fewer}) {  // a drawn contact with a force; the one without follows
             some->paths.push_back(x.cases.paths[0]);
             some->paths.back().role = "held_out", some->paths.back().name = "drawn";
         }
@@ -148,13 +148,13 @@ TEST_CASE("where FE has no force no error is relative to it: it is absent with i
             CHECK(m.closed_loop().force.n == 2);
             CHECK(m.closed_loop().force.median == same.closed_loop().force.median);
             CHECK_FALSE(m.cases[3].closed_loop.force);
-            CHECK_THAT(m.closed_loop().reasons, Contains("nothing is relative to no force (2)"));
+            CHECK_THAT(m.closed_loop().reasons, Contains("the reference force is zero (2)"));
         }
         const ContactStatistics drawn = e.held_out.role("held_out")->statistics(0);
         CHECK(drawn.force.n == 1);
         CHECK(drawn.force.of() == 2);
         CHECK(drawn.force.no_reference == 1);
-        CHECK_THAT(drawn.reasons, Contains("nothing is relative to no force (1)"));
+        CHECK_THAT(drawn.reasons, Contains("the reference force is zero (1)"));
         const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
         CHECK(j["open_loop"]["learned"]["n"] == 2);
         CHECK(j["open_loop"]["learned"]["rel_loss"]["max"].is_number());
@@ -164,7 +164,7 @@ TEST_CASE("where FE has no force no error is relative to it: it is absent with i
     }
 }
 
-TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffness is chosen on rel_loss") {
+TEST_CASE("a mesh with zero-energy modes reports its reason and chooses the uniform stiffness by rel_loss") {
     const Example& x = perfect();
     Study study = x.study;
     study.springs.topology = "grid4";
@@ -186,7 +186,7 @@ TEST_CASE("a mesh without closed-loop answers says why, and its uniform stiffnes
     CHECK_THAT(to_markdown(e), Contains("No answer of ") && Contains("zero-energy modes"));
 }
 
-TEST_CASE("a model without an answer at some contacts has an n of its own in every table, and the reasons with their counts") {
+TEST_CASE("a model with missing answers has its own n in every table and counts its reasons") {
     Evaluation e = evaluated(perfect().model, perfect().cases);
     const auto lose = [&](std::size_t model, std::size_t c, EquilibriumStatus status) {
         constexpr double missing = std::numeric_limits<double>::infinity();
@@ -220,7 +220,7 @@ TEST_CASE("a model without an answer at some contacts has an n of its own in eve
     CHECK_THAT(report, Contains("No answer of learned: " + reasons));
 }
 
-TEST_CASE("eval.json has what the design promises, and its numbers are the evaluation's") {
+TEST_CASE("eval.json has the numbers of the evaluation for every model and case") {
     const Evaluation e = evaluated(perfect().model, perfect().cases);
     const nlohmann::json j = nlohmann::json::parse(to_json(e, 11));
     CHECK(j["study"] == "example");
@@ -247,7 +247,7 @@ TEST_CASE("eval.json has what the design promises, and its numbers are the evalu
     CHECK(j["cases"][0]["magnitude_m"] == 0.004);
 }
 
-TEST_CASE("a contact drawn that FE lost stays in N, and beside it how many there are") {
+TEST_CASE("a drawn contact without FE reference counts in N and is reported as such") {
     Cases cases = perfect().cases;
     for (const char* name : {"drawn", "drawn-lost"}) {
         cases.paths.push_back(cases.paths[0]);
@@ -269,7 +269,7 @@ TEST_CASE("a contact drawn that FE lost stays in N, and beside it how many there
     CHECK_THAT(to_markdown(e), Contains("; 1 of 2 contacts, 1 without a reference") && Contains("2 contacts were drawn, 1 of them without an FE reference"));
 }
 
-TEST_CASE("drawn contacts have shapes, of models that have one, and the median and the worst of them are kept to be drawn") {
+TEST_CASE("drawn contacts have displacement errors and fields of median and worst are kept for figures") {
     Cases cases = perfect().cases;
     for (std::size_t p : {0, 1}) {
         cases.paths.push_back(cases.paths[p]);
@@ -277,7 +277,7 @@ TEST_CASE("drawn contacts have shapes, of models that have one, and the median a
         cases.paths.back().name = "drawn-" + std::to_string(p);
     }
     TrainedModel model = perfect().model;
-    model.trained.front().theta *= 2;  // the force is wrong, the shape is not
+    model.trained.front().theta *= 2;  // the force is wrong, the displacements are not
     const Evaluation e = evaluated(model, cases);
     const nlohmann::json j = nlohmann::json::parse(to_json(e, 11)), &held_out = j["closed_loop"]["held_out"];
     CHECK(held_out["learned"]["median"].get<double>() == Approx(1).epsilon(tolerance::solve));
@@ -308,14 +308,14 @@ TEST_CASE("drawn contacts have shapes, of models that have one, and the median a
     CHECK_THAT(to_markdown(e), Contains("; displacement error"));
 }
 
-TEST_CASE("of drawn contacts the shapes kept are the median's and the worst's, in this order, as the learned springs have them") {
+TEST_CASE("kept displacement fields are those of the learned springs at the median and the worst contact") {
     Cases cases = perfect().cases;
     for (std::size_t p : {0, 1, 0}) {
         cases.paths.push_back(cases.paths[p]);
         LoadPath& path = cases.paths.back();
         path.role = "held_out";
         path.name = "drawn-" + std::to_string(cases.paths.size());
-        if (cases.paths.size() == 5) path.records.back().displacement *= 1.5;  // FE's shape is far from any
+        if (cases.paths.size() == 5) path.records.back().displacement *= 1.5;  // displacements that no model has
     }
     TrainedModel model = perfect().model;
     model.trained.front().theta = model.heuristic_a.transpose().replicate(model.trained.front().theta.rows(), 1);
@@ -334,7 +334,7 @@ TEST_CASE("of drawn contacts the shapes kept are the median's and the worst's, i
     }
 }
 
-TEST_CASE("the report names the study, every model and every case") {
+TEST_CASE("the report lists the study and every model and every case") {
     const Evaluation e = evaluated(perfect().model, perfect().cases);
     const std::string report = to_markdown(e);
     CHECK_THAT(report, Contains("example"));
@@ -342,7 +342,7 @@ TEST_CASE("the report names the study, every model and every case") {
     for (const std::string& name : e.case_names) CHECK_THAT(report, Contains("| " + name + " |"));
 }
 
-TEST_CASE("no set's relative loss is below the proved bound beside it, which stands there where it bounds that loss") {
+TEST_CASE("the relative loss of a set is not below its bound and other objectives have no bound") {
     for (const auto& [objective, ridge] : {std::pair{"force", 0.0}, std::pair{"force", 1.0}, std::pair{"contact", 0.0}}) {
         Study study = perfect().study;
         study.springs.law = "axial";
@@ -363,7 +363,7 @@ TEST_CASE("no set's relative loss is below the proved bound beside it, which sta
             CHECK(name == " " + model.case_names[c] + " ");
             const bool alone = std::string(objective) == "force" && ridge == 0;
             CHECK((bound != " none ") == alone);
-            for (const TrainingBook& t : model.books.trained) {
+            for (const SetDiagnostics& t : model.books.trained) {
                 std::string loss;
                 std::getline(cells, loss, '|');
                 if (alone) CHECK(std::stod(loss) >= std::stod(bound));
@@ -373,7 +373,7 @@ TEST_CASE("no set's relative loss is below the proved bound beside it, which sta
     }
 }
 
-TEST_CASE("a model and cases that do not belong together are refused") {
+TEST_CASE("evaluation of a model with other cases or an unknown spring law is refused") {
     const Example& x = perfect();
     Cases cases = x.cases;
     std::swap(cases.paths[0], cases.paths[1]);

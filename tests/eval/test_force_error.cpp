@@ -10,7 +10,7 @@
 
 using namespace tissue;
 
-TEST_CASE("statistics are the quantiles one computes by hand") {
+TEST_CASE("statistics equal quantiles computed by hand") {
     const Statistics four = statistics_of({4, 1, 3, 2});
     CHECK(four.median == Approx(2.5).epsilon(tolerance::rounding));
     CHECK(four.p95 == Approx(3.85).epsilon(tolerance::rounding));  // 0.95 of the way from 1st to 4th: 3 + 0.85
@@ -27,7 +27,7 @@ TEST_CASE("statistics are the quantiles one computes by hand") {
     CHECK(statistics_of({1, 2}).median == Approx(1.5).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("a missing answer is infinity in the quantiles, and one without a reference is in none of them but in N") {
+TEST_CASE("a missing answer is infinite in the quantiles and a missing reference counts only in N") {
     constexpr double missing = std::numeric_limits<double>::infinity(), nothing = std::numeric_limits<double>::quiet_NaN();
     const Statistics s = statistics_of({missing, 1, nothing, 3, 2}, 4);
     CHECK(s.median == 2.5);  // of 1, 2, 3, infinity
@@ -40,7 +40,7 @@ TEST_CASE("a missing answer is infinity in the quantiles, and one without a refe
     CHECK(n_of_N(s) == "3 of 9");
     CHECK(n_of_N(s, "contacts") == "3 of 9 contacts, 1 without an answer, 5 without a reference");
 
-    std::vector<double> one_of_21(21, 0.5);  // the 95th percentile is the 20th of them, whatever the last
+    std::vector<double> one_of_21(21, 0.5);  // the 95th percentile is the 20th of them, whatever the 21st is
     one_of_21[0] = missing;
     CHECK(statistics_of(one_of_21).p95 == 0.5);
     CHECK(std::isinf(statistics_of(one_of_21).max));
@@ -52,7 +52,7 @@ TEST_CASE("a missing answer is infinity in the quantiles, and one without a refe
     CHECK(none.missing == 2);
 }
 
-TEST_CASE("in JSON an infinite quantile is null with answers missing, and one of nothing null with none") {
+TEST_CASE("JSON has null for infinite and undefined quantiles beside the number of missing answers") {
     constexpr double missing = std::numeric_limits<double>::infinity();
     const auto j = [](const Statistics& s) { return nlohmann::json::parse(to_value(s).dump()); };
     CHECK(j(statistics_of({1, 2, 3, missing}, 2)) ==
@@ -61,7 +61,7 @@ TEST_CASE("in JSON an infinite quantile is null with answers missing, and one of
           nlohmann::json({{"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}, {"of", 2}, {"missing", 0}, {"no_reference", 2}}));
 }
 
-TEST_CASE("an empty sample has no median, and says so") {
+TEST_CASE("an empty sample has n = 0 and undefined quantiles") {
     const Statistics none = statistics_of({});
     CHECK(none.n == 0);
     CHECK(std::isnan(none.median));
@@ -69,7 +69,7 @@ TEST_CASE("an empty sample has no median, and says so") {
     CHECK(std::isnan(none.max));
 }
 
-TEST_CASE("springs that are the truth leave nothing over; no springs at all leave everything") {
+TEST_CASE("springs of the reference have no nodal-force error and zero stiffness has an error of 1") {
     const Study study = example_study();
     const SpringMesh mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
     const Eigen::VectorXd theta = example_theta(mesh), weight = Eigen::VectorXd::Constant(mesh.node_count(), 0.9);
@@ -86,14 +86,14 @@ TEST_CASE("springs that are the truth leave nothing over; no springs at all leav
         CHECK(none.rel_loss == Approx(1).epsilon(tolerance::rounding));
         CHECK(none.resolved_force_N == 0);
         CHECK(none.resolved_error == 1);
-        // three halves of the truth leave half of it
+        // 1.5 times the stiffness has an error of 1/2
         const ForceError stiff = force_error(mesh, *law, 1.5 * theta, contact, weight, *load.path, *load.record);
         CHECK(stiff.rel_loss == Approx(0.5).epsilon(tolerance::solve));
         CHECK(stiff.resolved_error == Approx(0.5).epsilon(tolerance::solve));
     }
 }
 
-TEST_CASE("rel_loss does not know the size of Q, and ignores a node of weight zero") {
+TEST_CASE("rel_loss is independent of the scale of Q and of nodes with zero weight") {
     const Study study = example_study();
     const SpringMesh mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
     const Cases cases = example_cases(study, example_theta(mesh));
@@ -112,7 +112,7 @@ TEST_CASE("rel_loss does not know the size of Q, and ignores a node of weight ze
     CHECK(loss(weight, other) == loss(weight, *load.record));
 }
 
-TEST_CASE("the resolved force between two nodes is both ends' together, along the push alone") {
+TEST_CASE("the resolved force between two nodes is the sum over both along the direction") {
     const SpringMesh mesh = make_lattice("grid4", 2, 2, 0.1, 0.1);
     const auto law = make_spring_law("isotropic");
     NodeField u = NodeField::Zero(mesh.node_count(), 2);

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "error.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "../example.h"
 #include "../refusal.h"
 #include "../tolerances.h"
@@ -12,9 +12,9 @@ using namespace tissue;
 
 namespace {
 
-/// Paths of a map at these places along the middle of the example's top, with 1.1 times the forces of the example's own law.
+/// Paths of a map at these places along the middle of the example's top, with 1.1 times the forces of the given model.
 Cases mapped(const TissueModel& model, const std::vector<double>& x_m) {
-    const LawPress press(model);
+    const IndentationSolver press(model);
     const Point down = Eigen::Vector3d(0, 0, -1);
     Cases cases;
     for (double x : x_m) {
@@ -36,15 +36,15 @@ Cases mapped(const TissueModel& model, const std::vector<double>& x_m) {
 
 TissueModel with_nodule() {
     TissueModel model = solid_example();
-    model.energy_law->disc.ground.resize(2, 4);
-    model.energy_law->disc.ground << 0.045, 0.05, 0.04, 1e-6, 0.055, 0.05, 0.04, 1e-6;
-    model.energy_law->patch.log_N_m(0, PatchLaw::ground_factor) = 0.5;
+    model.energy_model->disc.ground.resize(2, 4);
+    model.energy_model->disc.ground << 0.045, 0.05, 0.04, 1e-6, 0.055, 0.05, 0.04, 1e-6;
+    model.energy_model->patch.log_N_m(0, ContactParameters::ground_factor) = 0.5;
     return model;
 }
 
 }  // namespace
 
-TEST_CASE("a map has the force of every place in both, and its contrast is the place over the nodule over those farthest from it", "[solid]") {
+TEST_CASE("a force map has FE and model forces; contrast is force over the nodule over the farthest forces", "[solid]") {
     const TissueModel model = with_nodule();
     const Cases cases = mapped(model, {0.02, 0.035, 0.05, 0.08});
     const ForceMap map = force_map(model, cases, 2);
@@ -60,7 +60,7 @@ TEST_CASE("a map has the force of every place in both, and its contrast is the p
     CHECK_FALSE(force_map(solid_example(), cases, 1).contrast);  // no nodule
 }
 
-TEST_CASE("a map's pushes that FE lost are named and left out; cases without any have no map", "[solid]") {
+TEST_CASE("places of a map without FE reference are listed and left out; cases without a map have none", "[solid]") {
     const TissueModel model = with_nodule();
     Cases cases = mapped(model, {0.02, 0.05, 0.08});
     cases.paths[0].lost = "lost at 2 mm";
@@ -77,7 +77,7 @@ TEST_CASE("a map's pushes that FE lost are named and left out; cases without any
     for (LoadPath& path : cases.paths) path.role = "held_out";
     CHECK(force_map(model, cases, 1).empty());
     TissueModel sets = model;
-    sets.energy_law.reset();
+    sets.energy_model.reset();
     CHECK(force_map(sets, cases, 1).empty());
     cases.paths[1].role = "map";
     CHECK_THROWS_AS(force_map(sets, cases, 1), MismatchError);

@@ -8,7 +8,8 @@ using namespace tissue;
 
 namespace {
 
-/// Forces that are linear in place, angle and depth, at three places on the top, three angles each, two depths each.
+/// Forces that are linear in arc length, angle and depth, at three places on the top, three angles each, two depths
+/// each.
 struct Example {
     SpringMesh mesh = make_lattice("grid8", 10, 10, 0.1, 0.1);
     Outline outline{mesh};
@@ -39,7 +40,7 @@ struct Example {
 
 }  // namespace
 
-TEST_CASE("the table has FE's own forces where they were solved, and is linear between them") {
+TEST_CASE("a force table has the FE forces at solved places and is linear between them") {
     const Example e;
     const ForceTable table(e.outline, table_pushes(e.loads));
     for (double arc : {0.15, 0.152, 0.16, 0.171, 0.18})
@@ -51,14 +52,14 @@ TEST_CASE("the table has FE's own forces where they were solved, and is linear b
             }
 }
 
-TEST_CASE("below the smallest depth the table's force shrinks in proportion, and nothing is extrapolated") {
+TEST_CASE("below the smallest depth the force of a table is proportional to depth without extrapolation") {
     const Example e;
     const ForceTable::Entry entry = ForceTable(e.outline, table_pushes(e.loads)).at(0.16, e.push(0.16, 0.0), 0.001);
     CHECK_FALSE(entry.extrapolated);
     CHECK((entry.force_N - 0.25 * Example::force(0.16, 0, 0.004)).norm() < tolerance::solve);
 }
 
-TEST_CASE("outside what was solved the table's nearest force serves, and says so") {
+TEST_CASE("outside the solved range a force table returns the nearest force and marks extrapolation") {
     const Example e;
     const ForceTable table(e.outline, table_pushes(e.loads));
     const auto nearest = [&](double arc, double angle, double depth, const Eigen::Vector2d& wanted) {
@@ -72,13 +73,13 @@ TEST_CASE("outside what was solved the table's nearest force serves, and says so
     nearest(0.15, 0, 0.02, Example::force(0.15, 0, 0.01));
 }
 
-TEST_CASE("the table in the plane has the mirror image of every push, but of those that were solved there") {
+TEST_CASE("a plane force table adds mirror images except of indentations that mirror themselves") {
     TissueModel block;
     Example e;
     block.mesh = e.mesh;
     const std::vector<TablePush> both = table_pushes(e.loads, symmetries_of(block));
     CHECK(e.loads.size() == 18);
-    CHECK(both.size() == 36 - 2);  // straight in half way along the top is its own image, at both depths
+    CHECK(both.size() == 36 - 2);  // the normal indentation in the middle of the top is its own image, at both depths
     const ForceTable table(e.outline, both);
     const Eigen::Vector2d there = Example::force(0.18, 0.3, 0.01);
     const ForceTable::Entry image = table.at(e.outline.length() - 0.18 - 0, e.push(e.outline.length() - 0.18, -0.3), 0.01);

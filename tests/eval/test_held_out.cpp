@@ -10,7 +10,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A push down into the top that FE followed to these magnitudes, 100 N a metre, `stronger` times.
+/// FE path of a vertical indentation of the top with records at these magnitudes and stiffness `stronger` x 100 N/m.
 LoadPath pushed(const std::string& name, const std::string& role, double depth_m, const std::vector<double>& magnitudes_m,
                 double stronger = 1) {
     LoadPath path;
@@ -33,8 +33,8 @@ Cases cases_of(std::vector<LoadPath> paths) {
 
 }  // namespace
 
-TEST_CASE("the truth's own error is the difference of forces over the finer mesh's, at every load case of a training path") {
-    const TruthCheck check = check_truth(cases_of({pushed("left", "train", 0.010, {0.0025, 0.005, 0.0075, 0.010}, 1.02),
+TEST_CASE("discretisation error is the force difference over the force on the finer mesh per load case") {
+    const DiscretisationCheck check = check_discretisation(cases_of({pushed("left", "train", 0.010, {0.0025, 0.005, 0.0075, 0.010}, 1.02),
                                                    pushed("check-left", "check", 0.010, {0.0025, 0.005, 0.0075, 0.010})}));
     CHECK(check.difference.n == 2);
     CHECK(check.difference.max == Approx(0.02).epsilon(tolerance::solve));
@@ -42,11 +42,11 @@ TEST_CASE("the truth's own error is the difference of forces over the finer mesh
     CHECK(check.unmatched.empty());
 }
 
-TEST_CASE("a drawn contact is compared at its depth, though FE's steps came there with a rounding") {
+TEST_CASE("a drawn contact is compared at its depth despite rounding of the FE steps") {
     for (double depth : {0.0071, 0.00213, 0.0098765}) {
         const double counted = std::nextafter(depth, 1);
         for (const auto& [coarse_m, fine_m] : {std::pair(depth, depth), std::pair(counted, depth), std::pair(depth, counted)}) {
-            const TruthCheck check = check_truth(cases_of({pushed("held-out-0001", "held_out", depth, {depth / 2, coarse_m}, 1.01),
+            const DiscretisationCheck check = check_discretisation(cases_of({pushed("held-out-0001", "held_out", depth, {depth / 2, coarse_m}, 1.01),
                                                            pushed("check-0001", "check", depth, {depth / 2, fine_m})}));
             CHECK(check.difference.n == 1);
             CHECK(check.difference.max == Approx(0.01).epsilon(tolerance::solve));
@@ -54,26 +54,26 @@ TEST_CASE("a drawn contact is compared at its depth, though FE's steps came ther
     }
 }
 
-TEST_CASE("a check whose contact, direction or depth the study's mesh does not have is named, not dropped") {
+TEST_CASE("a mesh check without a path of equal contact and direction and depth is listed as unmatched") {
     const LoadPath fine = pushed("check-0007", "check", 0.008, {0.004, 0.008});
     std::vector<LoadPath> others(3, pushed("held-out-0007", "held_out", 0.008, {0.004, 0.008}));
     others[0].contact_m.x() += 1e-4;
     others[1].direction = Eigen::Vector2d(0.01, -1).normalized();
     others[2].depth_m = 0.0081;
     for (const LoadPath& other : others) {
-        const TruthCheck check = check_truth(cases_of({other, fine}));
+        const DiscretisationCheck check = check_discretisation(cases_of({other, fine}));
         CHECK(check.difference.n == 0);
         CHECK(check.difference.of() == 1);
         REQUIRE(check.unmatched.size() == 1);
-        CHECK_THAT(check.unmatched[0], Contains("check-0007: ") && Contains("no push"));
+        CHECK_THAT(check.unmatched[0], Contains("check-0007: ") && Contains("no load path"));
         CHECK_FALSE(check.empty());
     }
 }
 
-TEST_CASE("a check is lost where the finer mesh ends early, unmatched where the study's own does, and counted where both go on") {
+TEST_CASE("a mesh check is lost if the finer mesh ends early and unmatched if the other does") {
     LoadPath coarse = pushed("left", "train", 0.010, {0.005}), fine = pushed("check-left", "check", 0.010, {0.005, 0.010});
     coarse.lost = "folds at 7 mm";
-    TruthCheck check = check_truth(cases_of({coarse, fine}));
+    DiscretisationCheck check = check_discretisation(cases_of({coarse, fine}));
     CHECK(check.difference.n == 1);
     CHECK(check.difference.no_reference == 1);
     CHECK(check.lost.empty());
@@ -83,18 +83,18 @@ TEST_CASE("a check is lost where the finer mesh ends early, unmatched where the 
     coarse = pushed("left", "train", 0.010, {0.005, 0.010});
     fine = pushed("check-left", "check", 0.010, {0.005});
     fine.lost = "folds at 8 mm";
-    check = check_truth(cases_of({coarse, fine}));
+    check = check_discretisation(cases_of({coarse, fine}));
     CHECK(check.difference.n == 1);
     CHECK(check.difference.no_reference == 1);
     CHECK(check.lost == std::vector<std::string>{"check-left: folds at 8 mm"});
     CHECK(check.unmatched.empty());
 
-    fine.lost.clear();  // nobody says why it ends
-    check = check_truth(cases_of({coarse, fine}));
+    fine.lost.clear();  // no cause is given
+    check = check_discretisation(cases_of({coarse, fine}));
     REQUIRE(check.unmatched.size() == 1);
     CHECK_THAT(check.unmatched[0], Contains("check-left: it has no record at 10 mm"));
 }
 
-TEST_CASE("without checks there is nothing to say of the truth") {
-    CHECK(check_truth(cases_of({pushed("left", "train", 0.010, {0.005, 0.010})})).empty());
+TEST_CASE("without mesh checks there is no discretisation error") {
+    CHECK(check_discretisation(cases_of({pushed("left", "train", 0.010, {0.005, 0.010})})).empty());
 }

@@ -6,7 +6,7 @@
 #include "../haptic/haptic_example.h"
 #include "../refusal.h"
 #include "error.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -15,7 +15,7 @@ namespace {
 
 double smooth(double s) { return s <= 0 ? 0 : s >= 1 ? 1 : s * s * s * (10 - 15 * s + 6 * s * s); }
 
-/// In within `rise` and held, in steps of 5 ms.
+/// A ramp of duration rise_s and a hold, in steps of 5 ms.
 History ramp(double depth_m, double rise_s, double duration_s) {
     History h;
     h.name = "ramp-0001";
@@ -40,7 +40,7 @@ HapticOptions alone() {
 
 }  // namespace
 
-TEST_CASE("errors of a force over time weigh time, not steps, and the peak is of the largest force", "[histories]") {
+TEST_CASE("rms error of a force history weights time and peak error is over the largest force", "[histories]") {
     Eigen::VectorXd t(5);
     t << 0, 1, 1.5, 2, 4;
     NodeField truth(5, 2), answer(5, 2);
@@ -52,7 +52,7 @@ TEST_CASE("errors of a force over time weigh time, not steps, and the peak is of
     CHECK(e.peak == Approx(2.0 / 5));
 }
 
-TEST_CASE("a force that is not finite to its end is a missing answer: its error is infinite, and counts", "[histories]") {
+TEST_CASE("a force history that is not finite to its end counts as missing with infinite error", "[histories]") {
     const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(3, 0, 1);
     const NodeField truth = NodeField::Ones(3, 2);
     NodeField answer = truth;
@@ -60,7 +60,7 @@ TEST_CASE("a force that is not finite to its end is a missing answer: its error 
     const HistoryError e = history_error(t, truth, answer);
     CHECK(std::isinf(e.rms));
     CHECK(std::isinf(e.peak));
-    for (const NodeField& said : {truth, answer}) {  // nothing is relative to no force, whatever the answer
+    for (const NodeField& said : {truth, answer}) {  // no error is relative to a zero force, whatever the answer
         CHECK(std::isnan(history_error(t, NodeField::Zero(3, 2), said).rms));
         CHECK(std::isnan(history_error(t, NodeField::Zero(3, 2), said).peak));
     }
@@ -74,7 +74,7 @@ TEST_CASE("a force that is not finite to its end is a missing answer: its error 
     CHECK(s.missing == 1);
 }
 
-TEST_CASE("a force through branches relaxes by the closed form, however unequal the steps", "[histories]") {
+TEST_CASE("a force relaxed by Maxwell branches equals the closed form for unequal time steps", "[histories]") {
     Eigen::VectorXd t(6);
     t << 0, 0.1, 0.15, 0.5, 3, 10;
     NodeField force(6, 1);
@@ -88,24 +88,25 @@ TEST_CASE("a force through branches relaxes by the closed form, however unequal 
     }
 }
 
-TEST_CASE("held in the tick, a model that relaxes says its static force through its branches", "[histories][long]") {
+TEST_CASE("the dynamic force of a relaxing model is its static force relaxed by its Maxwell branches", "[histories][long]") {
     const TissueModel model = relaxing(law_example());
     const HapticModel haptic(model, alone());
     const History h = ramp(0.008, 2, 6);
     const NodeField answer = play_history(haptic, h);
-    const LawPress press(model);  // of the instantaneous law
+    const IndentationSolver press(model);  // of the instantaneous model
     NodeField statics(h.time_s.size(), 2);
     for (Eigen::Index n = 0; n < statics.rows(); ++n)
         if (n > 0 && h.push_m.row(n) == h.push_m.row(n - 1))  // held
             statics.row(n) = statics.row(n - 1);
         else
             statics.row(n) = press.at(h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
-    const NodeField expected = relaxed(h.time_s, statics, model.energy_law->relaxation.tau_s, model.energy_law->relaxation.contact_share);
-    CHECK(history_error(h.time_s, expected, answer).rms < 0.01);  // areas hold while springs relax, so that shapes go on a little
+    const NodeField expected = relaxed(h.time_s, statics, model.energy_model->relaxation.tau_s, model.energy_model->relaxation.contact_share);
+    // cells keep their area while springs relax, so that the shape changes slightly
+    CHECK(history_error(h.time_s, expected, answer).rms < 0.01);
     CHECK(history_error(h.time_s, statics, answer).rms > 0.3);
 }
 
-TEST_CASE("while the tool is away nothing holds the tissue, and a second touch finds it as the first has left it", "[histories]") {
+TEST_CASE("force is zero while the tool is away and a second indentation at the contact is softer", "[histories]") {
     const TissueModel model = relaxing(law_example());
     const HapticModel haptic(model, alone());
     History h = ramp(0.008, 0.3, 2);
@@ -123,20 +124,20 @@ TEST_CASE("while the tool is away nothing holds the tissue, and a second touch f
     const NodeField first = play_history(haptic, fresh), second = answer.bottomRows(151);
     CHECK(second(150, 1) < -0.5);
     const double less = std::abs(second(150, 1) / first(150, 1));
-    CHECK(less < 0.97);  // it has not forgotten
+    CHECK(less < 0.97);  // the tissue has not recovered
     CHECK(less > 0.6);
     History beside = h;
     beside.second_contact_m = Eigen::Vector2d(0.067, 0.1);
-    CHECK(std::abs(play_history(haptic, beside)(400, 1) / answer(400, 1)) > 1.01);  // less so 20 mm away
+    CHECK(std::abs(play_history(haptic, beside)(400, 1) / answer(400, 1)) > 1.01);  // it is less soft 20 mm away
 }
 
-TEST_CASE("of models beside the learned one each is what it says: the truth is played, and they are as far from it as they must be", "[histories][long]") {
+TEST_CASE("baselines of a relaxing model have the expected errors and recover references of their own kind", "[histories][long]") {
     const TissueModel model = relaxing(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)));
     HapticOptions still = alone();
     const HapticModel haptic(model, still);
     still.damping_ratio = haptic.options.damping_ratio;
     TissueModel elastic = model;
-    elastic.energy_law = instantaneous(*model.energy_law);
+    elastic.energy_model = instantaneous(*model.energy_model);
     const HapticModel at_once(elastic, still);
     std::vector<History> histories;
     for (double depth : {0.004, 0.008}) {
@@ -156,7 +157,8 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     const HistoryTable table = evaluate_histories(model, histories, "held_out", 2);
     REQUIRE(table.answers.size() == 2);
     CHECK(table.lost == std::vector<std::string>{"gone: no equilibrium", "gone-too: no equilibrium"});
-    CHECK(table.groups() == std::vector<std::string>{"ramp", "sine"});  // all of a group that is lost is not gone
+    // a group without any finished history is listed too
+    CHECK(table.groups() == std::vector<std::string>{"ramp", "sine"});
     CHECK(n_of_N(table.rms(0, "ramp")) == "2 of 3");
     CHECK(n_of_N(table.rms(0, "sine")) == "0 of 1");
     CHECK(n_of_N(table.peak(0, "")) == "2 of 4");
@@ -177,7 +179,7 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     CHECK(table.factor > 0.25);
     CHECK(table.factor < 1);
 
-    // where the law's branches tell nothing slow apart, as where FE has no elastic run, the factor is that of all
+    // without an elastic solve no slow histories are selected, and the factor is fitted to all
     std::vector<History> plain(histories.begin(), histories.begin() + 2);
     plain[1].force_N *= 0.5;
     for (History& h : plain) h.elastic_N.resize(0, h.elastic_N.cols());
@@ -187,13 +189,13 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     CHECK_FALSE(evaluate_histories(model, histories, "held_out", 1).fitted_to_all);
     for (History& h : plain) CHECK(std::abs(evaluate_histories(model, {h}, "held_out", 1).factor / of_both - 1) > 0.1);
 
-    // a truth of one branch is found
+    // a reference of one branch is recovered
     for (History& h : histories) h.force_N = relaxed(h.time_s, h.elastic_N, Eigen::VectorXd::Constant(1, 0.5), Eigen::VectorXd::Constant(1, 0.6));
     const HistoryTable one = evaluate_histories(model, histories, "held_out", 1);
     CHECK(one.branch[0] == Approx(0.6).epsilon(0.02));
     CHECK(one.branch[1] == Approx(0.5).epsilon(0.06));
 
-    // and so is one of springs beside a damper: to the last step, the first one too
+    // so is a reference of springs beside a damper, at every step including the first and the last
     for (History& h : histories) {
         const Eigen::Index last = h.time_s.size() - 1;
         for (Eigen::Index n = 0; n <= last; ++n) {
@@ -207,10 +209,10 @@ TEST_CASE("of models beside the learned one each is what it says: the truth is p
     CHECK(damped.rms(static_cast<std::size_t>(std::find(damped.models.begin(), damped.models.end(), "kelvin_voigt") - damped.models.begin()), "").max < 1e-9);
     CHECK(evaluate_histories(model, histories, "validation", 1).empty());
     TissueModel sets = haptic_example();
-    CHECK_THAT(refusal<MismatchError>([&] { evaluate_histories(sets, histories, "held_out", 1); }), Contains("law"));
+    CHECK_THAT(refusal<MismatchError>([&] { evaluate_histories(sets, histories, "held_out", 1); }), Contains("energy model"));
 }
 
-TEST_CASE("held-out histories within 2 mm of what the law was trained on are counted", "[histories]") {
+TEST_CASE("test histories within 2 mm of a training contact of the energy model are counted", "[histories]") {
     Cases cases;
     for (const auto& [x, role] : {std::pair(0.040, "train"), std::pair(0.046, "validation"), std::pair(0.060, "train")}) {
         cases.paths.emplace_back();
@@ -222,20 +224,20 @@ TEST_CASE("held-out histories within 2 mm of what the law was trained on are cou
         cases.histories.back().contact_m = Eigen::Vector2d(x, 0.1);
     }
     CHECK(near_training(cases, "held_out") == 2);
-    cases.histories[0].lost = "no equilibrium";  // judges nothing
+    cases.histories[0].lost = "no equilibrium";  // gives no error
     cases.histories[3].role = "train";
     CHECK(near_training(cases, "held_out") == 0);
     CHECK(near_training(cases, "train") == 1);
 }
 
-TEST_CASE("at the time at which a tool leaves, or lands, it holds the tissue with all of its force, or with none", "[histories]") {
+TEST_CASE("force is full in the last step in contact and zero at both ends of an absence", "[histories]") {
     const TissueModel model = relaxing(law_example());
     const HapticModel haptic(model, alone());
     History h = ramp(0.008, 0.3, 1.2);
     for (Eigen::Index n = 0; n < h.time_s.size(); ++n) h.time_s[n] += 0.0004 * (n > 0);  // between ticks
     for (std::size_t n = 150; n < 200; ++n) h.contact[n] = 0;
     const NodeField answer = play_history(haptic, h);
-    CHECK(answer.row(149).norm() == Approx(answer.row(148).norm()).epsilon(0.02));  // the last at which it is there
+    CHECK(answer.row(149).norm() == Approx(answer.row(148).norm()).epsilon(0.02));  // the last step in contact
     CHECK(answer.row(150).norm() == 0);
     CHECK(answer.row(199).norm() == 0);
     CHECK(answer.row(200).norm() > 0.1);

@@ -28,7 +28,7 @@ Example example(const std::string& topology) {
 
 }  // namespace
 
-TEST_CASE("the heuristic is at no distance from itself, and the same set everywhere makes no steps") {
+TEST_CASE("the heuristic has distance 0 from itself and a uniform set has no steps") {
     const Example x = example("grid8");
     const SpringCharacter c = spring_character(x.model, x.cases, x.model.heuristic_a.transpose());
     CHECK(statistics_of(c.near).max == 0);
@@ -40,7 +40,7 @@ TEST_CASE("the heuristic is at no distance from itself, and the same set everywh
     CHECK(c.force_falls == 0);
 }
 
-TEST_CASE("springs one E2 away from the heuristic are at distance 1, near and far") {
+TEST_CASE("springs one E2 above the heuristic have distance 1 near and far from the contact") {
     const Example x = example("grid8");
     const NodeField theta = (x.model.heuristic_a.array() + x.model.modulus_N_m).matrix().transpose();
     const SpringCharacter c = spring_character(x.model, x.cases, theta);
@@ -48,7 +48,7 @@ TEST_CASE("springs one E2 away from the heuristic are at distance 1, near and fa
     for (double d : c.far) CHECK(d == Approx(1).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("a set twice as stiff at the deeper magnitude is a step, and a soft one makes the force fall") {
+TEST_CASE("a stiffer set at the larger magnitude is a step and a soft one lowers the force") {
     const Example x = example("grid8");
     NodeField theta = x.model.heuristic_a.transpose().replicate(4, 1);
     theta.row(1) *= 2;
@@ -57,7 +57,7 @@ TEST_CASE("a set twice as stiff at the deeper magnitude is a step, and a soft on
     CHECK(spring_character(x.model, x.cases, theta).force_falls == 1);
 }
 
-TEST_CASE("grid8 is stable under its supports; grid4 with axial springs is floppy") {
+TEST_CASE("grid8 has no zero-energy modes on its supports and grid4 with axial springs has some") {
     const Example stable = example("grid8"), floppy = example("grid4");
     const SpringCharacter c = spring_character(stable.model, stable.cases, stable.model.heuristic_a.transpose());
     CHECK(c.smallest_eigenvalue > 0);
@@ -65,7 +65,7 @@ TEST_CASE("grid8 is stable under its supports; grid4 with axial springs is flopp
     CHECK(spring_character(floppy.model, floppy.cases, floppy.model.heuristic_a.transpose()).floppy_sets == 1);
 }
 
-TEST_CASE("the more weight on staying near the heuristic, the larger the loss and the smaller the distance") {
+TEST_CASE("a larger ridge gives a larger loss and a smaller distance from the heuristic") {
     const Example x = example("grid8");
     const auto front = ridge_front(x.model, x.cases, 0.05 * x.model.modulus_N_m, 40 * x.model.modulus_N_m);
     REQUIRE(front.size() > 2);

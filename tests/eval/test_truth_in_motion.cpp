@@ -1,4 +1,4 @@
-#include "eval/truth_in_motion.h"
+#include "eval/session_indentation.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -6,20 +6,20 @@
 #include "../haptic/haptic_example.h"
 #include "mesh/outline.h"
 #include "springs/equilibrium.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 using namespace tissue;
 
-TEST_CASE("at a switch of sets energy jumps by gamma of the difference at most, and force with it", "[truth]") {
+TEST_CASE("smoothing gain 0.05 reduces the jumps of energy and force at a switch of spring sets", "[truth]") {
     const TissueModel tissue = haptic_example();
     const SwitchJump sudden = switch_jump(tissue, {}, 2, 3, 1.0), smooth = switch_jump(tissue, {}, 2, 3, 0.05);
     CHECK(sudden.energy_jump_J == Approx(sudden.energy_bound_J).epsilon(1e-9));
     CHECK(smooth.energy_bound_J == Approx(0.05 * sudden.energy_bound_J).epsilon(1e-9));
-    CHECK(smooth.energy_jump_J <= 1.2 * smooth.energy_bound_J);  // the mesh moves on meanwhile
+    CHECK(smooth.energy_jump_J <= 1.2 * smooth.energy_bound_J);  // the mesh moves during the switch
     CHECK(smooth.force_jump_N < 0.25 * sudden.force_jump_N);
 }
 
-TEST_CASE("in motion the force comes to the static closed-loop answer at every contact", "[truth][long]") {
+TEST_CASE("the dynamic force of spring sets converges to the static one where the mesh comes to rest", "[truth][long]") {
     for (const ExampleModel& e : {ExampleModel{"grid4", "isotropic", 10, 0.2}, ExampleModel{"grid8", "axial", 10, 0.2}, ExampleModel{"grid8", "geometric", 10, 0.2}}) {
         const TissueModel tissue = haptic_example(e);
         const HapticModel model(tissue, {});
@@ -29,7 +29,7 @@ TEST_CASE("in motion the force comes to the static closed-loop answer at every c
             if (!r.rested) WARN(e.law << " " << r.name << " does not rest");
             INFO(e.law << " " << r.name << ": " << r.reason << " after " << r.seconds << " s");
             ++asked;
-            if (!r.reason.empty() || !r.rested) continue;  // no equilibrium there, or two sets take turns for ever
+            if (!r.reason.empty() || !r.rested) continue;  // no equilibrium there, or two sets alternate without end
             ++answered;
             CHECK_FALSE((r.fe_asked || r.fe_error || r.static_fe_error));
             CHECK(r.static_error < 0.01);
@@ -39,12 +39,12 @@ TEST_CASE("in motion the force comes to the static closed-loop answer at every c
     }
 }
 
-TEST_CASE("a press is judged by FE where it stands as deep as FE does, and at FE's contact alone", "[truth]") {
+TEST_CASE("a dynamic indentation at rest at the contact and depth of the reference has small errors", "[truth]") {
     const TissueModel tissue = haptic_example({"grid8", "axial", 10, 0});
     const HapticModel model(tissue, {});
     const auto law = make_spring_law(tissue.law);
-    // "FE" that is this very model at rest: all that is left is what motion does to it
-    PressTruth truth{"top", Eigen::Vector2d(0.047, 0.1), Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
+    // reference: the static equilibrium of this model, so that only dynamic errors remain
+    IndentationReference truth{"top", Eigen::Vector2d(0.047, 0.1), Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
     const SurfacePoint point = locate_on_surface(tissue.mesh, truth.contact_m);
     const std::vector<int> loop = tissue.mesh.loop();
     const int segment = static_cast<int>(std::find(loop.begin(), loop.end(), point.node[0]) - loop.begin());
@@ -61,19 +61,19 @@ TEST_CASE("a press is judged by FE where it stands as deep as FE does, and at FE
     CHECK(r.off_contact_m < 1e-6);
 }
 
-TEST_CASE("in motion a law comes to rest within five seconds at its static answer, where FE's contact stands", "[truth][law]") {
+TEST_CASE("a dynamic indentation of an energy model rests within five seconds at its static equilibrium", "[truth][law]") {
     const TissueModel tissue = law_example();
     HapticOptions options;
-    options.safety.force_max_N = 10;  // the hardest push needs 6 N
+    options.safety.force_max_N = 10;  // the largest force is 6 N
     const HapticModel model(tissue, options);
-    const LawPress law(tissue);
+    const IndentationSolver law(tissue);
     const Outline outline(tissue.mesh);
     struct Push { double arc, angle, depth; };
     for (const auto& [arc, angle, depth] : {Push{0.03, 0.4, 0.010}, Push{0.075, 0, 0.008}, Push{0.102, -0.3, 0.006}, Push{0.147, 0.5, 0.010}, Push{0.28, -0.5, 0.012}}) {
-        PressTruth truth{"place", outline.position(arc), outline.direction(arc, angle), depth, {}};
+        IndentationReference truth{"place", outline.position(arc), outline.direction(arc, angle), depth, {}};
         const Equilibrium exact = law.at(outline.position(arc), depth * truth.direction);
         REQUIRE(exact);
-        truth.force_N = exact.contact_force;  // "FE" that is this very law
+        truth.force_N = exact.contact_force;  // reference: this energy model
         const PressResult r = press(model, tissue, truth);
         INFO("arc " << arc << ": " << r.reason << " after " << r.seconds << " s, off " << r.off_contact_m << ", static " << r.static_error);
         REQUIRE((r.rested && r.fe_error && r.static_fe_error));

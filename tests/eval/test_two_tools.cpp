@@ -10,8 +10,8 @@
 #include "../tolerances.h"
 #include "eval/evaluation.h"
 #include "eval/held_out.h"
-#include "springs/energy_law.h"
-#include "springs/law_press.h"
+#include "springs/energy_model_terms.h"
+#include "springs/indentation_solver.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -21,14 +21,15 @@ namespace {
 TrainedModel model() {
     TrainedModel m;
     static_cast<TissueModel&>(m) = solid_law_example(embedded_block(Lattice{{8, 8, 3}, {0.08, 0.08, 0.03}}));
-    LawBook& book = m.books.law.emplace();
+    EnergyModelDiagnostics& book = m.books.law.emplace();
     book.status = {"small_gain"};
     book.start_objective = book.gradient = Eigen::VectorXd::Ones(1);
     book.iterations = book.evaluations = {1};
     return m;
 }
 
-/// A pair at x and 0.04 + apart_m from there, with the forces that this law has, of the first `stronger` times.
+/// A pair of discs apart_m apart with the forces of this energy model; the first force is multiplied by `stronger`. A
+/// pair within 14 mm has a fixed force.
 LoadPath pair_of(const TrainedModel& m, const std::string& name, double apart_m, double stronger = 1) {
     LoadPath path;
     path.name = name;
@@ -42,7 +43,7 @@ LoadPath pair_of(const TrainedModel& m, const std::string& name, double apart_m,
         PathRecord record{s, none, none, Point::Zero(3), Point::Zero(3), 0, 1, 0, 0};
         record.second_force_N = Point::Zero(3);
         if (s > 0 && apart_m > 0.014) {
-            const ToolsEquilibrium rest = LawPress(m).at({{path.contact_m, path.push_m(record)}, {path.second->contact_m, path.second_push_m(record)}});
+            const ToolsEquilibrium rest = IndentationSolver(m).at({{path.contact_m, path.push_m(record)}, {path.second->contact_m, path.second_push_m(record)}});
             REQUIRE(rest);
             record.contact_force_N = stronger * rest.contact_force[0];
             record.second_force_N = rest.contact_force[1];
@@ -64,7 +65,7 @@ Cases cases_of(const TrainedModel& m, std::vector<LoadPath> paths) {
 
 }  // namespace
 
-TEST_CASE("a pair has an error on each disc, at its full depth, of the law under both and under each alone", "[solid][two_tools]") {
+TEST_CASE("a disc pair has a force error per disc for both discs together and for each alone", "[solid][two_tools]") {
     const TrainedModel m = model();
     const TwoTools two = evaluate_two_tools(m, cases_of(m, {pair_of(m, "held-out-two-0001", 0.016), pair_of(m, "held-out-two-0002", 0.030, 1.25)}), 2);
     REQUIRE(two.models == std::vector<std::string>{"learned", "alone"});
@@ -78,7 +79,7 @@ TEST_CASE("a pair has an error on each disc, at its full depth, of the law under
     CHECK((near.push_m[1] - 0.003 * Eigen::Vector3d(0.6, 0, -0.8)).norm() < tolerance::rounding);
     for (std::size_t t : {0, 1}) {
         CHECK(*near.error[0][t].force < tolerance::newton);
-        const double alone = LawPress(m).at(near.contact_m[t], near.push_m[t]).contact_force.norm();
+        const double alone = IndentationSolver(m).at(near.contact_m[t], near.push_m[t]).contact_force.norm();
         CHECK(*near.error[1][t].force > 0.02);
         CHECK(alone > near.fe_force_N[t].norm());
     }
@@ -90,7 +91,7 @@ TEST_CASE("a pair has an error on each disc, at its full depth, of the law under
     CHECK(s.max == Approx(0.2).epsilon(tolerance::newton));
 }
 
-TEST_CASE("pairs that FE lost have no reference, two forces each, and discs that overlap have no answer", "[solid][two_tools]") {
+TEST_CASE("a pair without FE reference lacks two forces and overlapping discs have no answer", "[solid][two_tools]") {
     const TrainedModel m = model();
     LoadPath lost = pair_of(m, "held-out-two-0001", 0.030);
     lost.lost = "the tissue is folded";
@@ -102,16 +103,16 @@ TEST_CASE("pairs that FE lost have no reference, two forces each, and discs that
     CHECK(s.force.missing == 2);
     CHECK(s.force.n == 2);
     CHECK_THAT(s.reasons, Contains("nearer than two radii of 7 mm (2)"));
-    CHECK(role.statistics(1).force.missing == 0);  // alone each can be
+    CHECK(role.statistics(1).force.missing == 0);  // each disc alone has an answer
     LoadPath single = pair_of(m, "held-out-0001", 0.030);
     single.second.reset();
     CHECK(evaluate_two_tools(m, cases_of(m, {single}), 1).empty());
 }
 
-TEST_CASE("eval.json and report.md have a block of two tools where there are pairs, and none where there are not", "[solid][two_tools]") {
+TEST_CASE("eval.json and report.md have results of two tools only if there are pairs", "[solid][two_tools]") {
     const TrainedModel m = model();
     Evaluation e;
-    e.energy_law = m.energy_law;
+    e.energy_model = m.energy_model;
     e.law_book = m.books.law;
     e.models.push_back({"learned", {}, {}, 0});
     e.listed = false;
@@ -139,23 +140,23 @@ TEST_CASE("eval.json and report.md have a block of two tools where there are pai
     CHECK(report.find("| held-out-two-0002 | 13.0 | 5.00, 3.00 |") < report.find("| held-out-two-0001 | 16.0 | 5.00, 3.00 |"));
 }
 
-TEST_CASE("the untrained law has the springs' curve of the learned one, and heuristics are Hooke's", "[solid][held_out]") {
+TEST_CASE("the untrained model has the spring curve of the learned one and heuristics have Hooke's", "[solid][held_out]") {
     TrainedModel m = model();
     m.heuristic_b = m.heuristic_a;
-    m.books.law->untrained_constants = m.energy_law->constants;
-    m.books.law->untrained_patch = m.energy_law->patch;
+    m.books.law->untrained_constants = m.energy_model->constants;
+    m.books.law->untrained_patch = m.energy_model->patch;
     LoadPath path = pair_of(m, "held-out-0001", 0.016);
     path.role = "held_out";
     path.second.reset();
     const auto force_of = [&](const Eigen::VectorXd& constants, const SpringCurve& curve) {
-        LawModel law = *m.energy_law;
+        EnergyModel law = *m.energy_model;
         law.constants = constants;
         law.curve = curve;
-        const Equilibrium rest = LawPress(m.mesh, law).at(path.contact_m, path.push_m(path.records.back()));
+        const Equilibrium rest = IndentationSolver(m.mesh, law).at(path.contact_m, path.push_m(path.records.back()));
         REQUIRE(rest);
         return Point(rest.contact_force);
     };
-    const Point truth = force_of(m.energy_law->constants, m.energy_law->curve);
+    const Point truth = force_of(m.energy_model->constants, m.energy_model->curve);
     for (PathRecord& record : path.records) record.contact_force_N = record.magnitude_m / path.depth_m * truth;
     const HeldOut held_out = evaluate_held_out(m, cases_of(m, {path}), 1);
     const auto error_of = [&](const std::string& name) {
@@ -165,7 +166,7 @@ TEST_CASE("the untrained law has the springs' curve of the learned one, and heur
     };
     CHECK(error_of("learned") < 1e-9);
     CHECK(error_of("untrained") < 1e-9);
-    const Point hooke = force_of(springs_alone(m.mesh, m.energy_law->constants, m.heuristic_a), SpringCurve());
+    const Point hooke = force_of(springs_alone(m.mesh, m.energy_model->constants, m.heuristic_a), SpringCurve());
     CHECK(error_of("heuristic_a_patch") == Approx((hooke - truth).norm() / truth.norm()).epsilon(1e-6));
-    CHECK((force_of(springs_alone(m.mesh, m.energy_law->constants, m.heuristic_a), m.energy_law->curve) - hooke).norm() > 1e-3 * hooke.norm());
+    CHECK((force_of(springs_alone(m.mesh, m.energy_model->constants, m.heuristic_a), m.energy_model->curve) - hooke).norm() > 1e-3 * hooke.norm());
 }

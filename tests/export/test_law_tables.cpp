@@ -1,4 +1,4 @@
-#include "export/law_tables.h"
+#include "export/energy_model_tables.h"
 
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
@@ -7,14 +7,14 @@
 
 #include "error.h"
 #include "export/csv.h"
-#include "export/solid_law_tables.h"
+#include "export/solid_model_tables.h"
 #include "mesh/embedded_lattice.h"
 #include "springs/contact_patch.h"
 #include "springs/contact_spring.h"
-#include "springs/energy_law.h"
-#include "springs/law_at_radius.h"
+#include "springs/energy_model_terms.h"
+#include "springs/energy_model_at_radius.h"
 #include "springs/law_kernel.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "../example.h"
 #include "../mesh/disc.h"
 #include "../mesh/dome.h"
@@ -31,11 +31,11 @@ using Catch::Matchers::StartsWith;
 namespace {
 
 TissueModel law_model(const SpringMesh& mesh) {
-    const EnergyLaw law(mesh, law_heuristic(mesh, 450, "plane-strain", 12), {"spring.surface", "cell.layer", "contact.normal.phase"});
+    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12), {"spring.surface", "cell.layer", "contact.normal.phase"});
     const Eigen::Vector3d p(0.4, -0.3, 0.5);
     TissueModel model;
     model.mesh = mesh;
-    model.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    model.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
     const Outline outline(mesh);
     model.case_names = {"first", "second"};
     model.node_mass_kg = Eigen::VectorXd::Ones(mesh.node_count());
@@ -50,7 +50,7 @@ TissueModel law_model(const SpringMesh& mesh) {
     return model;
 }
 
-/// sum A V (J - 1)^2 / 2, J of the trilinear map's gradient at each cell's place, by the cell's own edges.
+/// sum A V (J - 1)^2 / 2, with J of the trilinear map's gradient at the point `at` of each cell.
 double cells_energy(const SpringMesh& mesh, const SolidLawTables& t, const NodeField& u) {
     double W = 0;
     for (Eigen::Index c = 0; c < t.cells.rows(); ++c) {
@@ -69,7 +69,7 @@ double cells_energy(const SpringMesh& mesh, const SolidLawTables& t, const NodeF
 
 }  // namespace
 
-TEST_CASE("a law's tables hold all its energy, on a block and on a shape", "[export][law]") {
+TEST_CASE("exported tables reproduce the strain energy of a model on a block and on a shape", "[export][law]") {
     for (const SpringMesh& mesh : {make_lattice("grid8", 6, 5, 0.1, 0.1), edge_mesh(disc(12))}) {
         const TissueModel model = law_model(mesh);
         const LawTables t = law_tables(model);
@@ -83,13 +83,13 @@ TEST_CASE("a law's tables hold all its energy, on a block and on a shape", "[exp
         for (Eigen::Index e = 0; e < area.size(); ++e) W += t.area_N_m[e] * t.area_m2[e] * std::pow(area[e] / t.area_m2[e] - 1, 2) / 2;
         for (int s = 0; s < mesh.spring_count(); ++s)
             W += t.spring_N_m[s] * std::pow((x.row(mesh.springs(s, 0)) - x.row(mesh.springs(s, 1))).norm() - mesh.rest_length(s), 2) / 2;
-        CHECK(W == Approx(TissueEnergy(mesh, true).energy(model.energy_law->constants, u)).epsilon(tolerance::rounding));
+        CHECK(W == Approx(TissueEnergy(mesh, true).energy(model.energy_model->constants, u)).epsilon(tolerance::rounding));
         CHECK(std::count(t.area_kind.begin(), t.area_kind.end(), "region") == 5);
         CHECK(std::count(t.area_kind.begin(), t.area_kind.end(), "cell") == (mesh.topology == "edges" ? mesh.node_count() : 30));
     }
 }
 
-TEST_CASE("a law's cases are pressed as it presses, one or all of them", "[export][law]") {
+TEST_CASE("indented load cases are exported all or one by name and their forces balance", "[export][law]") {
     const TissueModel model = law_model(make_lattice("grid8", 6, 5, 0.1, 0.1));
     const std::vector<PressedCase> all = pressed_cases(model, ""), second = pressed_cases(model, "second");
     REQUIRE(all.size() == 2);
@@ -97,12 +97,12 @@ TEST_CASE("a law's cases are pressed as it presses, one or all of them", "[expor
     CHECK(second[0].load_case == 1);
     CHECK(second[0].state.displacement == all[1].state.displacement);
     CHECK(all[1].push_m.norm() == Approx(0.006));
-    // supports and hand together hold what the tissue asks for
+    // the forces of supports and tool balance
     CHECK((all[0].force_N.colwise().sum()).norm() <= tolerance::newton * all[0].force_N.norm());
-    CHECK_THAT(refusal<MismatchError>([&] { pressed_cases(model, "third"); }), Contains("'third'") && Contains("as first"));
+    CHECK_THAT(refusal<MismatchError>([&] { pressed_cases(model, "third"); }), Contains("'third'") && Contains("such as first"));
 }
 
-TEST_CASE("the tables of a law in space hold all its energy, the contact's too", "[export][solid]") {
+TEST_CASE("exported tables in space reproduce the strain energy and the contact energy of a model", "[export][solid]") {
     const TissueModel model = solid_example();
     const SpringMesh& mesh = model.mesh;
     const SolidLawTables t = solid_law_tables(model);
@@ -112,16 +112,16 @@ TEST_CASE("the tables of a law in space hold all its energy, the contact's too",
         W += t.spring_N_m[s] * std::pow((x.row(mesh.springs(s, 0)) - x.row(mesh.springs(s, 1))).norm() - mesh.rest_length(s), 2) / 2;
     W += cells_energy(mesh, t, u);
     for (Eigen::Index m = 0; m < t.support_N_m.size(); ++m) W += t.support_N_m[m] * mesh.embedding.at(mesh.fixed[static_cast<std::size_t>(m)], u).squaredNorm() / 2;
-    CHECK(W == Approx(TissueEnergy(mesh, false).energy(model.energy_law->constants, u)).epsilon(tolerance::rounding));
+    CHECK(W == Approx(TissueEnergy(mesh, false).energy(model.energy_model->constants, u)).epsilon(tolerance::rounding));
 
     const ContactTable table = contact_table(model, {1});
-    const ContactSpring contact(make_contact_kernel(mesh, model.energy_law->disc_radius_m)->rows_at(model.contact_m.row(1).transpose()),
-                                model.energy_law->patch);
+    const ContactSpring contact(make_contact_kernel(mesh, model.energy_model->disc_radius_m)->rows_at(model.contact_m.row(1).transpose()),
+                                model.energy_model->patch);
     const Eigen::Vector3d push(0.001, -0.002, -0.004);
     Eigen::VectorXd e = table.push * push;
     for (std::size_t q = 0; q < table.pull_row.size(); ++q)
         e[table.pull_row[q]] -= table.pull.row(static_cast<Eigen::Index>(q)).dot(u.row(table.pull_node[q]));
-    double stored = 0, s = 0;  // of all rows, and of the mean's
+    double stored = 0, s = 0;  // energy of all rows, and of the rows of the mean
     for (Eigen::Index r = 0; r < e.size(); ++r) {
         stored += table.k_N_m[static_cast<std::size_t>(r)] * e[r] * e[r] / 2;
         if (r == 2) s = stored;
@@ -133,14 +133,14 @@ TEST_CASE("the tables of a law in space hold all its energy, the contact's too",
     CHECK(contact_table(model, {0, 1}).hardening.row(1) == table.hardening.row(0));
 }
 
-TEST_CASE("each case is pressed by its own disc", "[export][solid]") {
+TEST_CASE("each exported load case is indented by its own disc", "[export][solid]") {
     const TissueModel model = several_discs();
     const std::vector<PressedCase> cases = pressed_cases(model, "");
     REQUIRE(cases.size() == 1);
     const Point contact_m = model.contact_m.row(0).transpose();
-    const LawModel small = law_at_radius(*model.energy_law, 0.004);
-    CHECK(cases[0].state.contact_force == LawPress(model.mesh, small).at(contact_m, cases[0].push_m).contact_force);
-    CHECK(cases[0].state.contact_force != LawPress(model).at(contact_m, cases[0].push_m).contact_force);
+    const EnergyModel small = energy_model_at_radius(*model.energy_model, 0.004);
+    CHECK(cases[0].state.contact_force == IndentationSolver(model.mesh, small).at(contact_m, cases[0].push_m).contact_force);
+    CHECK(cases[0].state.contact_force != IndentationSolver(model).at(contact_m, cases[0].push_m).contact_force);
     const ContactSpring contact(make_contact_kernel(model.mesh, small)->rows_at(contact_m), small.patch);
     const ContactTable table = contact_table(model, {0});
     CHECK(Eigen::Map<const Eigen::VectorXd>(table.k_N_m.data(), static_cast<Eigen::Index>(table.k_N_m.size())) == contact.k_N_m);
@@ -154,29 +154,29 @@ TEST_CASE("each case is pressed by its own disc", "[export][solid]") {
         for (std::size_t at = text.find(with); at != std::string::npos; at = text.find(with, at + 1)) ++n;
         return n;
     };
-    CHECK(lines("\n0.007,") == model.mesh.facets.rows() * 10);  // its own, once
+    CHECK(lines("\n0.007,") == model.mesh.facets.rows() * 10);  // the model's own radius, once
     CHECK(lines("\n0.004,") == lines("\n0.007,"));
     CHECK(lines("\n0.01,") == lines("\n0.007,"));
 }
 
-TEST_CASE("contacts that a law in space has learned from pokes are in its tables", "[export][solid]") {
+TEST_CASE("adapted contacts of a model in space are exported", "[export][solid]") {
     TissueModel model = solid_example();
     CHECK(csv_files(model, pressed_cases(model, "")).count("surface.csv") == 0);
-    model.energy_law->contact_log_scale = Eigen::VectorXd::LinSpaced(model.mesh.node_count(), 0, 0.25);
+    model.energy_model->contact_log_scale = Eigen::VectorXd::LinSpaced(model.mesh.node_count(), 0, 0.25);
     CHECK_THAT(csv_files(model, pressed_cases(model, "")).at("surface.csv"), StartsWith("node,contact_log_scale\n0,0\n") && EndsWith(fmt::format("{},0.25\n", model.mesh.node_count() - 1)));
 }
 
-TEST_CASE("a contact that softens comes back from its file as one", "[export][solid]") {
+TEST_CASE("a softening contact is read back from model.h5", "[export][solid]") {
     const TemporaryFolder folder;
     TissueModel model = solid_example();
-    model.energy_law->terms.back() = "contact.softening";
-    model.energy_law->patch.softens = true;
+    model.energy_model->terms.back() = "contact.softening";
+    model.energy_model->patch.curve = ContactCurve::softens;
     write_model(folder.file("model.h5"), model, {"tissuectl test", 0, {}});
-    CHECK(read_model(folder.file("model.h5")).energy_law->patch.softens);
+    CHECK(read_model(folder.file("model.h5")).energy_model->patch.curve == ContactCurve::softens);
     CHECK(contact_table(model, {1}).hardening(0, 0) == -contact_table(model, {1}).hardening(0, 1));
 }
 
-TEST_CASE("a law in space comes back from its file with its ground, and one without has none", "[export][solid]") {
+TEST_CASE("inclusion points of a model in space are read back from model.h5", "[export][solid]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     TissueModel model = solid_example();
@@ -184,21 +184,21 @@ TEST_CASE("a law in space comes back from its file with its ground, and one with
         write_model(file, model, {"tissuectl test", 0, {}});
         return read_model(file);
     };
-    CHECK(back().energy_law->disc.ground.rows() == 0);
-    model.energy_law->disc.ground = NodeField::Constant(3, 4, 0.02);
-    model.energy_law->disc.ground(1, 3) = 1e-7;
-    model.energy_law->patch.log_N_m(0, PatchLaw::ground_factor) = 0.5;
-    CHECK(back().energy_law->disc.ground == model.energy_law->disc.ground);
-    CHECK(LawPress(back()).at(model.contact_m.row(1).transpose(), 0.002 * model.direction.row(1).transpose()).contact_force ==
-          LawPress(model).at(model.contact_m.row(1).transpose(), 0.002 * model.direction.row(1).transpose()).contact_force);
+    CHECK(back().energy_model->disc.ground.rows() == 0);
+    model.energy_model->disc.ground = NodeField::Constant(3, 4, 0.02);
+    model.energy_model->disc.ground(1, 3) = 1e-7;
+    model.energy_model->patch.log_N_m(0, ContactParameters::ground_factor) = 0.5;
+    CHECK(back().energy_model->disc.ground == model.energy_model->disc.ground);
+    CHECK(IndentationSolver(back()).at(model.contact_m.row(1).transpose(), 0.002 * model.direction.row(1).transpose()).contact_force ==
+          IndentationSolver(model).at(model.contact_m.row(1).transpose(), 0.002 * model.direction.row(1).transpose()).contact_force);
     const double stiffness = contact_table(model, {1}).k_N_m[0];
-    model.energy_law->disc.ground.resize(0, 4);
+    model.energy_model->disc.ground.resize(0, 4);
     CHECK(stiffness > contact_table(model, {1}).k_N_m[0]);
-    model.energy_law->disc.ground = NodeField::Constant(3, 4, 2e3);  // no place of a tissue
+    model.energy_model->disc.ground = NodeField::Constant(3, 4, 2e3);  // outside any tissue
     CHECK_THAT(refusal<FileError>(back), Contains("model.h5: /law/ground"));
 }
 
-TEST_CASE("a law in space is pressed at its cases too, where no arc length says the place", "[export][solid]") {
+TEST_CASE("exported load cases in space have no arc length and their forces balance the supports", "[export][solid]") {
     const TissueModel model = solid_example();
     const std::vector<PressedCase> cases = pressed_cases(model, "");
     const SolidLawTables t = solid_law_tables(model);
@@ -213,7 +213,7 @@ TEST_CASE("a law in space is pressed at its cases too, where no arc length says 
     }
 }
 
-TEST_CASE("the tables of a law of a solid in an embedded lattice hold all its energy, its supports' too", "[export][solid_shape]") {
+TEST_CASE("exported tables of an embedded lattice reproduce the energy of springs and cells and supports", "[export][solid_shape]") {
     const TissueModel model = solid_law_example(embedded_lattice(dome(4), 0.011));
     const SpringMesh& mesh = model.mesh;
     const SolidLawTables t = solid_law_tables(model);
@@ -222,28 +222,28 @@ TEST_CASE("the tables of a law of a solid in an embedded lattice hold all its en
     const NodeField x = mesh.nodes + u;
     double W = cells_energy(mesh, t, u);
     for (int s = 0; s < mesh.spring_count(); ++s)
-        W += t.spring_N_m[s] * model.energy_law->curve.energy(mesh.rest_length(s), (x.row(mesh.springs(s, 0)) - x.row(mesh.springs(s, 1))).norm() - mesh.rest_length(s));
+        W += t.spring_N_m[s] * model.energy_model->curve.energy(mesh.rest_length(s), (x.row(mesh.springs(s, 0)) - x.row(mesh.springs(s, 1))).norm() - mesh.rest_length(s));
     CHECK((t.at - NodeField::Constant(t.at.rows(), 3, 0.5)).cwiseAbs().maxCoeff() > 0.1);  // cut cubes
     REQUIRE(t.support_N_m.size() == mesh.support_count());
     const double without = W;
     for (int m = 0; m < mesh.support_count(); ++m) W += t.support_N_m[m] * u.row(mesh.fixed[static_cast<std::size_t>(m)]).squaredNorm() / 2;
     CHECK(W > 1.001 * without);
-    CHECK(W == Approx(TissueEnergy(mesh, *model.energy_law).energy(model.energy_law->constants, u)).epsilon(tolerance::rounding));
+    CHECK(W == Approx(TissueEnergy(mesh, *model.energy_model).energy(model.energy_model->constants, u)).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("the tables of a law that has learned from pokes hold what its contacts have learned", "[export][law]") {
+TEST_CASE("exported tables of an adapted model reproduce its contact stiffness", "[export][law]") {
     const SpringMesh mesh = make_lattice("grid8", 6, 5, 0.1, 0.1);
     TissueModel model = law_model(mesh);
     const Files before = csv_files(model, pressed_cases(model, "first"));
-    model.energy_law->contact_log_scale = Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.4, 0.7);
+    model.energy_model->contact_log_scale = Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.4, 0.7);
     CHECK(csv_files(model, pressed_cases(model, "first")).at("surface.csv") != before.at("surface.csv"));
 
-    // stiffness at a place, out of the tables, as results/FORMATS.md has it
+    // contact stiffness computed from the tables as results/FORMATS.md describes
     const LawTables t = law_tables(model);
     const ContactSurface surface(mesh);
-    const auto kernel = make_contact_kernel(mesh, *model.energy_law);
+    const auto kernel = make_contact_kernel(mesh, *model.energy_model);
     const auto& scaled = dynamic_cast<const ContactSurface&>(*kernel);
-    const PatchLaw& patch = model.energy_law->patch;
+    const ContactParameters& patch = model.energy_model->patch;
     for (const double part : {0.0, 0.3, 0.71}) {
         const double arc = part * t.surface_arc_m.back();
         const ContactPatch plain = surface.at(arc);
@@ -256,18 +256,18 @@ TEST_CASE("the tables of a law that has learned from pokes hold what its contact
     }
 }
 
-TEST_CASE("the tables of a law that relaxes hold its branches, and of one that does not, none", "[export][law]") {
+TEST_CASE("exported tables have Maxwell branches of a relaxing model and none of an elastic one", "[export][law]") {
     const SpringMesh mesh = make_lattice("grid8", 6, 5, 0.1, 0.1);
     TissueModel model = law_model(mesh);
     CHECK(csv_files(model, pressed_cases(model, "first")).count("branches.csv") == 0);
-    NodeField share(model.energy_law->constants.size(), 2);
+    NodeField share(model.energy_model->constants.size(), 2);
     share.col(0).setConstant(0.25);
     share.col(1).setLinSpaced(0, 0.5);
-    model.energy_law->relaxation = {Eigen::Vector2d(0.125, 2), share, Eigen::Vector2d(0.25, 0.0625)};
+    model.energy_model->relaxation = {Eigen::Vector2d(0.125, 2), share, Eigen::Vector2d(0.25, 0.0625)};
     const Files files = csv_files(model, pressed_cases(model, "first"));
     CHECK(files.at("branches.csv") == "branch,relaxation_time_s,contact_share\n0,0.125,0.25\n1,2,0.0625\n");
     const std::string& shares = files.at("shares.csv");
     CHECK(shares.substr(0, shares.find('\n', 25)) == "constant,share_0,share_1\n0,0.25,0");
-    CHECK(std::count(shares.begin(), shares.end(), '\n') == 1 + model.energy_law->constants.size());
-    CHECK_THAT(shares, Contains(std::to_string(model.energy_law->constants.size() - 1) + ",0.25,0.5\n"));
+    CHECK(std::count(shares.begin(), shares.end(), '\n') == 1 + model.energy_model->constants.size());
+    CHECK_THAT(shares, Contains(std::to_string(model.energy_model->constants.size() - 1) + ",0.25,0.5\n"));
 }

@@ -22,7 +22,7 @@ TissueModel model_of(const std::string& topology, const std::string& law) {
     return model;
 }
 
-/// What a scene says, read as SOFA reads it.
+/// Values of a scene, read as SOFA reads them.
 class Scene {
    public:
     explicit Scene(const std::string& text) : text_(text) {}
@@ -38,8 +38,8 @@ class Scene {
     }
     bool has(const std::string& element) const { return text_.find("<" + element + " ") != std::string::npos; }
 
-    /// Forces on the nodes (3 N) of SOFA's springs and constant force at positions x (3 N), and its tangent dF/dx: its
-    /// documented spring F = ks (l - L0) U, dF = ((ks - F/l) U U' + F/l) dx.
+    /// Forces F (3 N) on the nodes by SOFA's springs and constant forces at positions x (3 N), and their tangent dF/dx.
+    /// SOFA's documented spring: F = ks (l - L0) U, dF = ((ks - F/l) U U' + F/l) dx.
     void force(const Eigen::VectorXd& x, Eigen::VectorXd& F, Eigen::MatrixXd& dF) const {
         F = Eigen::VectorXd::Zero(x.size());
         dF = Eigen::MatrixXd::Zero(x.size(), x.size());
@@ -82,7 +82,7 @@ Eigen::VectorXd in_plane(const Eigen::VectorXd& x) {
 
 }  // namespace
 
-TEST_CASE("a SOFA scene holds the program's own K at rest, for every law", "[export]") {
+TEST_CASE("a SOFA scene has the stiffness matrix K of every spring law at rest", "[export]") {
     for (const std::string& law : spring_laws().names())
         for (const std::string topology : {"grid4", "grid8"}) {
             INFO(law << " " << topology);
@@ -106,7 +106,7 @@ TEST_CASE("a SOFA scene holds the program's own K at rest, for every law", "[exp
         }
 }
 
-TEST_CASE("a SOFA scene of an isotropic or geometric law pushes back alike far from rest, the others do not",
+TEST_CASE("a SOFA scene has the same forces far from rest for isotropic and geometric springs only",
           "[export]") {
     for (const std::string& law : spring_laws().names()) {
         INFO(law);
@@ -125,7 +125,7 @@ TEST_CASE("a SOFA scene of an isotropic or geometric law pushes back alike far f
     }
 }
 
-TEST_CASE("a SOFA scene holds masses and supports, and keeps nodes in their plane", "[export]") {
+TEST_CASE("a SOFA scene has masses and triangles and fixed nodes and keeps nodes in their plane", "[export]") {
     const TissueModel model = model_of("grid4", "axial");
     const Scene scene(sofa_scene(model, {"one_set", -1, example_theta(model.mesh)}));
     const std::vector<double> triangles = scene.numbers("MeshTopology", "triangles");

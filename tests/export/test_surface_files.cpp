@@ -22,7 +22,7 @@ struct Example {
 
 }  // namespace
 
-TEST_CASE("a press as .glb: the surface at rest, z turned up, its target is the displacement", "[export]") {
+TEST_CASE("a .glb export has the surface at rest with z up and the displacement as morph target", "[export]") {
     const Example e;
     const std::string bytes = surface_glb(e.press);
     std::uint32_t length = 0, text = 0;
@@ -55,7 +55,7 @@ TEST_CASE("a press as .glb: the surface at rest, z turned up, its target is the 
     CHECK((up - Eigen::Vector3d::UnitY()).norm() < 1e-12);
 }
 
-TEST_CASE("a press as .vtp: every facet, and what was pushed how far and with which force", "[export]") {
+TEST_CASE("a .vtp export has every point and facet of the surface and the contact force", "[export]") {
     const Example e;
     const std::string text = surface_vtp(e.press);
     CHECK_THAT(text, Contains("NumberOfPoints=\"" + std::to_string(e.surface.vertices.rows()) + "\"") && Contains("NumberOfPolys=\"" + std::to_string(e.surface.facets.rows()) + "\""));

@@ -8,7 +8,7 @@
 using namespace tissue;
 using Catch::Matchers::Contains;
 
-TEST_CASE("a path's cells are the lattice's, of one cell along an axis too, and none where the nodes are no lattice", "[export]") {
+TEST_CASE("an exported path has the cells of its lattice or one cell per node without a lattice", "[export]") {
     const auto cells = [](const NodeField& nodes) {
         Cases cases;
         cases.nodes = nodes;
@@ -21,10 +21,10 @@ TEST_CASE("a path's cells are the lattice's, of one cell along an axis too, and 
     CHECK_THAT(cells(solid_block({{1, 2, 1}, {1, 2, 1}}).nodes), Contains("NumberOfCells=\"2\""));
     NodeField moved = make_lattice("grid8", 3, 1, 0.1, 0.1).nodes;
     moved(0, 0) += 0.01;
-    CHECK_THAT(cells(moved), Contains("NumberOfCells=\"8\""));  // its nodes alone
+    CHECK_THAT(cells(moved), Contains("NumberOfCells=\"8\""));  // one cell per node
 }
 
-TEST_CASE("a path is a collection: a file a record, each with one array of a name, at the time of its push", "[export]") {
+TEST_CASE("a path is exported as one file per record with the displacement magnitude as time", "[export]") {
     Cases cases;
     cases.nodes = make_lattice("grid8", 1, 1, 0.1, 0.1).nodes;
     const Point none = Point::Zero(2);

@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""An independent program on the same continuum: patch pushes in plane strain by felupe, against solve_path.edp.
+"""The same continuum in an independent program: indentation by a patch in plane strain, felupe against solve_path.edp.
 
 Equations: div P = 0, P = 2 C1 F + 2 C2 (I1 F - F C) + (p + p0) J F^-T in three dimensions with F33 = 1, and J = 1;
-           for the first push also Ogden's P = F sum_i l_i^-2 sum_k mu_k l_i^alpha_k N_i (x) N_i + (p + p0) J F^-T, by the
-           eigenvectors N_i of C in 3-D, where ours is a Chebyshev function of T and J;
-           on the nodes of the mesh file that FreeFEM reads, twice: with FreeFEM's own triangles (P2/P1) and with
-           quadrilaterals (Q2 displacement, Q1 pressure: another discretisation). Assembly, kinematics and linear solver are
-           felupe's; the stress is a formula of tensors in 3-D, where ours is in T and J.
-           Histories of tissue that relaxes, the last one with mass (its own step of the generalised-alpha family, on felupe's
-           mass matrix): P = F ((1 - sum g) S0 + sum Q_k) + p J F^-T, S0 = F^-1 P at p = 0 of the above,
-           Q_k' + Q_k / tau_k = g_k S0', all nine entries of them, where ours has the plane's three.
+           for the first contact also Ogden's P = F sum_i l_i^-2 sum_k mu_k l_i^alpha_k N_i (x) N_i + (p + p0) J F^-T,
+           by the eigenvectors N_i of C in 3-D, where our formulation uses a Chebyshev function of T and J.
+           The nodes are those of the mesh file that FreeFEM reads, with two discretisations: FreeFEM's triangles
+           (P2/P1) and quadrilaterals (Q2 displacement, Q1 pressure). Assembly, kinematics and linear solver are
+           felupe's. The stress is a formula of tensors in 3-D, where ours is in T and J.
+           Displacement histories of tissue that relaxes; the last one is of tissue with mass (a generalised-alpha step
+           implemented here, on felupe's mass matrix): P = F ((1 - sum g) S0 + sum Q_k) + p J F^-T, S0 = F^-1 P at p = 0
+           of the above, Q_k' + Q_k / tau_k = g_k S0', with all nine entries, where ours has the three of the plane.
 Boundary:  u = 0 at y = 0; u = d on the boundary nodes within the patch's half-width of the contact.
 
-Prints one line per push, "ok - sentence" or "not ok - sentence: measured vs wanted"; exits 1 if any failed.
-Needs felupe (pip), gmsh and FreeFem++-nw, with FF_LOADPATH set where FreeFEM's preferences do not name its plugins.
+Prints one line per comparison, "ok - sentence" or "not ok - sentence: measured vs wanted"; exits 1 if any failed.
+Needs felupe (pip), gmsh and FreeFem++-nw. FF_LOADPATH must be set if FreeFEM's preferences do not name its plugins.
 
 Sample run: python3 tests/fem/felupe_patch.py
             python3 tests/fem/felupe_patch.py --end-size-m 0.0025 --depth-m 0.01 --steps 20
@@ -36,13 +36,13 @@ THICKNESS = 0.001         # [m]
 C1, C2 = 263.0, 491.0     # [Pa]
 MU, ALPHA = [600.0, 20.0], [2.5, 9.0]  # [Pa], 1: Ogden
 HALF_WIDTH = 0.005        # [m]
-FORCE_TOLERANCE = 0.01    # relative, of the contact force
-HISTORY_TOLERANCE = 1e-7  # the same discrete problem, solved to 1e-9 or better by both
+FORCE_TOLERANCE = 0.01    # relative error of the contact force
+HISTORY_TOLERANCE = 1e-7  # both programs solve the same discrete problem to 1e-9 or better
 FEM = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "fem")
 
-# name, contact [m], direction of the push (unit vector); the third lies between nodes of the 1 cm lattice. The elements
-# of other shape answer another discrete problem: their distance from ours is the mesh's error, not a disagreement of
-# programs, and is printed without a verdict.
+# name, contact [m], direction of the tool displacement (unit vector). The third contact lies between nodes of the 1 cm
+# lattice. Quadrilaterals are another discrete problem. Their difference from ours is discretisation error and is
+# printed without a verdict.
 PUSHES = [
     ("left midpoint", (0.0, 0.05), (1.0, 0.0)),
     ("top midpoint", (0.05, 0.1), (0.0, -1.0)),
@@ -55,7 +55,7 @@ class IncompressibleMooneyRivlin:
 
     def __init__(self):
         self.x = [np.eye(3), np.zeros(1), np.zeros(0)]
-        self.p0 = -2 * (C1 + 2 * C2)  # no stress at rest
+        self.p0 = -2 * (C1 + 2 * C2)  # stress vanishes at rest
 
     def gradient(self, x):
         F, p, state = x[0], x[1], x[-1]
@@ -79,7 +79,7 @@ class IncompressibleMooneyRivlin:
 
 
 class IncompressibleOgden:
-    """The same for Ogden's solid; its tangent by central differences of its stress."""
+    """The same for Ogden's solid, with the tangent by central differences of the stress."""
 
     def __init__(self):
         self.x = [np.eye(3), np.zeros(1), np.zeros(0)]
@@ -111,12 +111,13 @@ class IncompressibleOgden:
 
 
 class Relaxing(IncompressibleMooneyRivlin):
-    """The same with branches that remember: (share, time [s]) of each. A step's end is told by remember()."""
+    """The same with Maxwell branches: (relative modulus, relaxation time [s]) of each. Call remember() at a step's
+    end."""
 
     def __init__(self, branches=((0.45, 0.5), (0.365, 50.0))):
         super().__init__()
         self.branches = branches
-        self.past = None  # S0 at the step's beginning, and Q of each branch
+        self.past = None  # S0 at the step's beginning and Q of each branch
         self.begin(0.0)
 
     def begin(self, dt):
@@ -151,7 +152,7 @@ class Relaxing(IncompressibleMooneyRivlin):
 
 
 class Inertia:
-    """M ((1 - m) a + m a_before) as an item of felupe's Newton method; m = (r - 1) / (r + 1)."""
+    """M ((1 - m) a + m a_before) as an item of felupe's Newton method, m = (r - 1) / (r + 1)."""
 
     def __init__(self, field, mass, lasting=0.8):
         self.field, self.mass, self.shift = field, mass, (lasting - 1) / (lasting + 1)
@@ -179,21 +180,22 @@ class Inertia:
 
 
 def histories():
-    """Name, contact [m], rows of time [s] and displacement [m] (T x 3) from rest, density [kg/m3]: a ramp that is held, a poke whose
-    direction wanders and that lets go, and one ten times as quick that is held, of tissue with mass."""
+    """Yields name, contact [m], rows of time [s] and displacement [m] (T x 3) from rest, and density [kg/m3]: a ramp
+    with a hold; an indentation with a varying direction that returns to zero; a quick indentation with a hold, of
+    tissue with mass."""
     t = np.r_[0, np.linspace(0.02, 0.1, 5), 0.1 + np.geomspace(0.05, 10, 8)]
     yield "ramp and hold", (0.05, 0.1), np.c_[t, 0 * t, -0.01 * np.minimum(t / 0.1, 1)], 0
     t = np.linspace(0, 1.5, 25)
     depth = 0.009 * np.sin(np.pi * t / 1.5) ** 2 * (1 + 0.3 * np.sin(9 * t))
     tilt = 0.5 * np.sin(4 * t)
-    yield "poke with a wandering direction", (0.043, 0.1), np.c_[t, depth * np.sin(tilt), -depth * np.cos(tilt)], 0
+    yield "indentation with a varying direction", (0.043, 0.1), np.c_[t, depth * np.sin(tilt), -depth * np.cos(tilt)], 0
     t = np.linspace(0, 0.15, 31)
     s = np.minimum(t / 0.1, 1)
     depth = 0.008 * s ** 3 * (10 - 15 * s + 6 * s ** 2)
-    yield "quick poke of tissue with mass", (0.043, 0.1), np.c_[t, 0.3 * depth, -depth], 1040
+    yield "quick indentation of tissue with mass", (0.043, 0.1), np.c_[t, 0.3 * depth, -depth], 1040
 
 
-LAWS = {  # what FreeFEM is told of each
+LAWS = {  # felupe's material, arguments of FreeFEM
     "Mooney-Rivlin": (IncompressibleMooneyRivlin, {"C1": C1, "C2": C2}),
     "Ogden": (IncompressibleOgden, {"law": "ogden", "terms": len(MU), **{f"mu{k + 1}": m for k, m in enumerate(MU)},
                                     **{f"alpha{k + 1}": a for k, a in enumerate(ALPHA)}}),
@@ -236,7 +238,7 @@ def quadratic(points, triangles):
 
 
 def outline_position(x):
-    """Place along the outline, anticlockwise from the lower left corner [m]; nan off it."""
+    """Arc length along the outline, anticlockwise from the lower left corner [m]; nan off it."""
     tol = 1e-8
     a = np.full(len(x), np.nan)
     a[np.abs(x[:, 0]) < tol] = (2 * (WIDTH + HEIGHT) - x[:, 1])[np.abs(x[:, 0]) < tol]
@@ -246,8 +248,8 @@ def outline_position(x):
 
 
 class QuadraticTriangle(fem.QuadraticTriangle):
-    """felupe 11.3.0's element has a wrong entry in its gradient (last node: t1 - t2 where t1 - t3 is meant), so that
-    not even a linear field has the right gradient. This one derives the element's own functions."""
+    """felupe 11.3.0's element has a wrong entry in its gradient (last node: t1 - t2 instead of t1 - t3), so even a
+    linear field has a wrong gradient. This class has the derivatives of the element's shape functions."""
 
     def gradient(self, rs):
         r, s = rs
@@ -257,7 +259,7 @@ class QuadraticTriangle(fem.QuadraticTriangle):
 
 
 def check_gradient(element, at=(0.2, 0.3), h=1e-6):
-    """An element's gradient is the derivative of its functions: a reference is worth no more than that."""
+    """Raises an error unless an element's gradient is the derivative of its shape functions."""
     at = np.array(at)
     difference = np.stack([(element.function(at + h * e) - element.function(at - h * e)) / (2 * h) for e in np.eye(len(at))], 1)
     worst = np.abs(difference - element.gradient(at)).max()
@@ -266,7 +268,7 @@ def check_gradient(element, at=(0.2, 0.3), h=1e-6):
 
 
 def fields_on_triangles(points, triangles):
-    """P2 displacement and P1 pressure; also the P2 nodes (m x 2)."""
+    """Fields of P2 displacement and P1 pressure, and the P2 nodes (m x 2)."""
     nodes, cells = quadratic(points, triangles)
     quadrature, element = fem.TriangleQuadrature(order=5), QuadraticTriangle()
     check_gradient(element)
@@ -276,8 +278,8 @@ def fields_on_triangles(points, triangles):
 
 
 def fields_on_quads(points, triangles):
-    """Q2 displacement and Q1 pressure on the rectangles whose diagonals cut the triangles: the same nodes, the
-    diagonal's middle being the rectangle's centre."""
+    """Fields of Q2 displacement and Q1 pressure on the rectangles that the triangles halve, and the nodes (m x 2): the
+    same nodes as P2, since the middle of a diagonal is the rectangle's centre."""
     nodes, cells = quadratic(points, triangles)
     at = {}
     for cell in cells:
@@ -302,7 +304,7 @@ def fields_on_quads(points, triangles):
 
 
 def felupe_history(fields, msh, contact, rows, density):
-    """Contact force [N] (T x 2) along a history."""
+    """Contact force [N] (T x 2) over a displacement history."""
     u, p, nodes = fields(*read_msh(msh))
     field, law = fem.FieldContainer([u, p]), Relaxing()
     solid = fem.SolidBody(law, field)
@@ -336,7 +338,7 @@ def felupe_history(fields, msh, contact, rows, density):
 
 
 def freefem_history(msh, contact, rows, density, work):
-    """Contact force [N] (T x 2) along a history."""
+    """Contact force [N] (T x 2) over a displacement history."""
     history = os.path.join(work, "history.txt")
     np.savetxt(history, np.c_[rows, np.zeros(len(rows))], fmt="%.17g")
     more = {"history": history, "branches": len(Relaxing().branches), **({"density": density} if density else {})}
@@ -346,7 +348,7 @@ def freefem_history(msh, contact, rows, density, work):
 
 
 def felupe_force(law, fields, msh, contact, direction, depth, steps):
-    """Contact force [N], (2), at the end of the push."""
+    """Contact force [N], (2), at the last displacement."""
     u, p, nodes = fields(*read_msh(msh))
     field = fem.FieldContainer([u, p])
     solid = fem.SolidBody(LAWS[law][0](), field)
@@ -371,12 +373,12 @@ def felupe_force(law, fields, msh, contact, direction, depth, steps):
 
 
 def freefem_force(law, msh, contact, direction, depth, steps, work):
-    """Contact force [N], (2), at the end of the push."""
+    """Contact force [N], (2), at the last displacement."""
     return np.array([float(w) for w in freefem_steps(law, msh, contact, direction, depth, steps, work)[-1][4:6]])
 
 
 def freefem_steps(law, msh, contact, direction, depth, steps, work, more=()):
-    """The fields of every step's row."""
+    """Fields of every `step` row of the path's file."""
     out = os.path.join(work, "path.csv")
     arguments = {
         "mesh": msh, "out": out, "width": WIDTH, "height": HEIGHT, "thickness": THICKNESS, **LAWS[law][1],
@@ -395,7 +397,7 @@ def freefem_steps(law, msh, contact, direction, depth, steps, work, more=()):
 
 
 def mesh_of_patch(contact, options, work):
-    """Path of the mesh file."""
+    """Meshes the block for a patch; returns the name of the mesh file."""
     msh = os.path.join(work, "patch.msh")
     command = ["gmsh", "-v", "1", "-2", "-format", "msh22", os.path.join(FEM, "block_graded.geo"), "-o", msh]
     for key, value in {"contact_x": contact[0], "contact_y": contact[1], "patch_half_width": HALF_WIDTH,
@@ -409,8 +411,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--depth-m", type=float, default=0.01)
     parser.add_argument("--steps", type=int, default=10)
-    parser.add_argument("--end-size-m", type=float, default=0.0025, help="elements at the patch's ends")
-    parser.add_argument("--surface-size-m", type=float, default=0.005, help="elements at the free surface")
+    parser.add_argument("--end-size-m", type=float, default=0.0025, help="element size at the patch's ends")
+    parser.add_argument("--surface-size-m", type=float, default=0.005, help="element size at the free surface")
     options = parser.parse_args()
     failed = 0
     for law, (name, contact, direction) in [("Mooney-Rivlin", push) for push in PUSHES] + [("Ogden", PUSHES[0])]:
@@ -436,7 +438,7 @@ def main():
                     else:
                         print(f"not ok - {sentence}: {difference:.1e} vs {FORCE_TOLERANCE}: {forces}")
                         failed += 1
-            except Exception as error:  # either program may fail on a mesh: say on which push, and go on
+            except Exception as error:  # either program may fail on a mesh: report it and continue
                 print(f"not ok - {name}: {error} vs two forces")
                 failed += 1
     for name, contact, rows, density in histories():
@@ -447,7 +449,7 @@ def main():
                 theirs = felupe_history(fields_on_triangles, msh, contact, rows, density)
                 largest = np.linalg.norm(theirs, axis=1).max()
                 difference = np.linalg.norm(ours - theirs, axis=1).max() / largest
-                sentence = f"relaxing, {name}, {len(rows) - 1} steps: felupe P2/P1 has the same contact force all along"
+                sentence = f"relaxing, {name}, {len(rows) - 1} steps: felupe P2/P1 has the same contact force at each step"
                 if difference <= HISTORY_TOLERANCE:
                     print(f"ok - {sentence}, largest difference {difference:.1e} of {1e3 * largest:.4f} mN; it ends at "
                           f"{1e3 * np.linalg.norm(ours[-1]):.4f} and {1e3 * np.linalg.norm(theirs[-1]):.4f} mN")

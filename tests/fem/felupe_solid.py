@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""An independent program on the same tetrahedra: pushes by the disc by felupe, against solve_solid.edp.
+"""The same tetrahedra in an independent program: indentation by the disc, felupe against solve_solid.edp.
 
-Equations: div P = 0, P = 2 C1 F + 2 C2 (I1 F - F C) + (p + p0) J F^-T, and J = 1, P2 displacement and P1 pressure, on the
-           mesh file that FreeFEM reads. Assembly, kinematics, quadrature (14 points; ours has 8), Newton and the linear
-           solver are felupe's.
+Equations: div P = 0, P = 2 C1 F + 2 C2 (I1 F - F C) + (p + p0) J F^-T, and J = 1, P2 displacement and P1 pressure, on
+           the mesh file that FreeFEM reads. Assembly, kinematics, quadrature (14 points; ours has 8), Newton's method
+           and the linear solver are felupe's.
 Boundary:  u = 0 at z = 0; u = phi d on the top's nodes within the disc, phi = 1 - (r/R)^2 / 2; the force is sum of phi f.
 
-Prints one line per push, "ok - sentence" or "not ok - sentence: measured vs wanted"; exits 1 if any failed. The last line
-but the verdicts is the ratio of CPU times of the same paths, start-up of FreeFEM in ours, of Python not in theirs.
-Needs felupe (pip), gmsh and FreeFem++-nw, with FF_LOADPATH set where FreeFEM's preferences do not name its plugins.
+Prints one line per comparison, "ok - sentence" or "not ok - sentence: measured vs wanted"; exits 1 if any failed. The
+last line is the ratio of CPU times of the same load paths. Ours includes the start-up of FreeFEM, felupe's does not
+include that of Python.
+Needs felupe (pip), gmsh and FreeFem++-nw. FF_LOADPATH must be set if FreeFEM's preferences do not name its plugins.
 
 Sample run: python3 tests/fem/felupe_solid.py
             python3 tests/fem/felupe_solid.py --size-near-m 0.005 --size-far-m 0.02
@@ -21,7 +22,7 @@ import sys
 import tempfile
 import time
 
-for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "SCOTCH_PTHREAD_NUMBER"):  # CPU times of one core each
+for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "SCOTCH_PTHREAD_NUMBER"):  # compare CPU times on one core
     os.environ[name] = "1"
 
 import felupe as fem  # noqa: E402
@@ -29,7 +30,7 @@ import numpy as np  # noqa: E402
 from felupe_patch import C1, C2, FEM, FORCE_TOLERANCE, IncompressibleMooneyRivlin, check_gradient  # noqa: E402
 
 SIZE = (0.1, 0.1, 0.05)  # [m] width, length, height
-RADIUS = 0.007           # [m] of the disc
+RADIUS = 0.007           # [m] radius of the disc
 # name, contact [m], direction (unit vector)
 PUSHES = [
     ("middle, normal", (0.05, 0.05), (0.0, 0.0, -1.0)),
@@ -59,7 +60,7 @@ def quadratic(points, tetrahedra):
 
 
 def felupe_force(msh, contact, direction, depth, steps):
-    """Conjugate contact force [N], (3), at the end of the push, and CPU seconds."""
+    """Conjugate contact force [N], (3), at the last displacement, and CPU seconds."""
     start = time.process_time()
     points, tetrahedra = read_msh(msh)
     nodes, cells = quadratic(points, tetrahedra)
@@ -83,7 +84,7 @@ def felupe_force(msh, contact, direction, depth, steps):
 
 
 def freefem_force(msh, contact, direction, depth, steps, work):
-    """The same of solve_solid.edp."""
+    """The same by solve_solid.edp."""
     out = os.path.join(work, "path.csv")
     arguments = {
         "mesh": msh, "out": out, **dict(zip(("width", "length", "height"), SIZE)), "C1": C1, "C2": C2,
@@ -135,7 +136,7 @@ def main():
                 else:
                     print(f"not ok - {sentence}: {difference:.1e} vs {FORCE_TOLERANCE}: FreeFEM, felupe {words}", flush=True)
                     failed += 1
-            except Exception as error:  # either program may fail on a mesh: say on which push, and go on
+            except Exception as error:  # either program may fail on a mesh: report it and continue
                 print(f"not ok - disc, {name}: {error} vs two forces", flush=True)
                 failed += 1
     if theirs_spent > 0:

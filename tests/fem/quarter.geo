@@ -1,5 +1,5 @@
-// A quarter of a block, for tools pressed into the middle of its top: x = 0 and y = 0 are planes of symmetry, which solid_hertz.edp does not
-// let out. Elements are finest within `zone` of the contact, (0, 0, height).
+// A quarter of a block, for indentation at the centre of its top: x = 0 and y = 0 are planes of symmetry, where
+// solid_hertz.edp fixes the normal displacement. Elements are shortest within `zone` of the contact, (0, 0, height).
 // Labels: bottom 1, all else 2. Sample run: gmsh -3 -format msh22 tests/fem/quarter.geo -o quarter.msh
 DefineConstant[ half = 0.05, height = 0.05, zone = 0.0004, size_near = 0.00009, size_far = 0.02 ];
 SetFactory("OpenCASCADE");

@@ -1,8 +1,11 @@
-"""Shapes of strangers, .stl and .msh, through gmsh and what follows it: damaged_shapes.py FILE STUDY COUNT [FIRST], from a copy of the project.
+"""Damaged shape files, .stl and .msh, meshed by gmsh and scripts/mesh: damaged_shapes.py FILE STUDY COUNT [FIRST], run
+in a copy of the project.
 
-FILE, as it is and damaged COUNT times by numbers from FIRST (0) on, goes through scripts/mesh as make has it go for STUDY. What must come of it: a mesh and
-silence, or exit status 1, one line and no mesh; within a minute. Prints "N meshed, N refused", or what did not hold and where the file is kept.
-gmsh is a program of its own, so these are blind changes and not libFuzzer's (tests/fuzz/fuzz_msh.cpp is what reads gmsh's words)."""
+Runs scripts/mesh with the arguments that make uses for STUDY, on FILE itself and on COUNT damaged copies of it, with
+the random seeds FIRST (0), FIRST + 1, ... Each run must end within a minute: with a mesh and no output, or with exit
+status 1, one line and no mesh. Prints "N meshed, N refused", and a line for each violation with the name of the kept
+file. gmsh is a separate program, so the changes are random and not guided by libFuzzer. tests/fuzz/fuzz_msh.cpp tests
+the reader of gmsh's output."""
 import random
 import re
 import subprocess
@@ -32,12 +35,12 @@ def damaged(text, draw):
         elif how in (4, 5):
             words[draw.randrange(len(words))] = draw.choice(NUMBERS + WORDS)
             lines[k] = " ".join(words)
-        elif how == 6:  # a number a little or much another, where there are several
+        elif how == 6:  # another number, in a line with several numbers
             k = draw.choice([i for i, line in enumerate(lines) if len(re.findall(r"\d+", line)) > 2] or [k])
             words = lines[k].split(" ")
             words[draw.randrange(len(words))] = repr(draw.choice([draw.uniform(-100, 100), draw.uniform(0, 0.06), draw.randrange(100)]))
             lines[k] = " ".join(words)
-        elif how == 7:  # a line that begins or ends something, or counts
+        elif how == 7:  # a line that begins or ends a section, or contains a count
             k = draw.choice([i for i, line in enumerate(lines) if "solid" in line or line.startswith("$") or re.fullmatch(r"[\d ]{1,20}", line)] or [k])
             lines[k] = draw.choice(["solid", "$Elements", "", draw.choice(NUMBERS), " ".join(draw.choice(NUMBERS) for _ in range(4)), 'solid a"b'])
         elif lines[k]:
@@ -68,13 +71,13 @@ def main():
             refused += 1
         else:
             broken += 1
-            print(f"{shape.resolve()}: status {status}, {'a mesh' if out.exists() else 'no mesh'}, said {said[:300]!r}")
+            print(f"{shape.resolve()}: status {status}, {'a mesh' if out.exists() else 'no mesh'}, printed {said[:300]!r}")
             continue
         for file in kept.glob(f"{base.stem}-{number}.*"):
             file.unlink()
     if Path("broken").exists():
         broken += 1
-        print("a name in a file was run")
+        print("a command in a damaged file was run")
     print(f"{meshed} meshed, {refused} refused")
     sys.exit(broken > 0 or meshed == 0 or refused == 0)
 

@@ -13,7 +13,7 @@
 namespace tissue {
 namespace {
 
-constexpr std::size_t most_values = 4096;  ///< of a dataset that was made longer
+constexpr std::size_t most_values = 4096;  ///< largest size of a dataset whose shape is edited
 
 std::size_t count(const std::vector<std::size_t>& shape) {
     std::size_t values = 1;
@@ -73,7 +73,7 @@ EditedStore::EditedStore(const std::string& file) {
     read_attributes(file);
 }
 
-/// Of groups; those that the writer makes itself are not among them.
+/// Attributes of groups, without those that Hdf5Writer writes itself.
 void EditedStore::read_attributes(const std::string& file) {
     static const std::set<std::string> writers = {"program", "kind", "format_version", "version", "command", "seed"};
     const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -116,7 +116,7 @@ void EditedStore::edit(Choices& choices) {
     switch (how % 16) {
         case 0: datasets_.erase(datasets_.begin() + static_cast<std::ptrdiff_t>(which)); return;
         case 1: d.kind = static_cast<DatasetKind>(choices.byte() % 3); break;
-        case 2: {  // the content of another
+        case 2: {  // the content of another dataset
             const Dataset& other = datasets_[choices.below(datasets_.size())];
             d = {d.name, other.kind, other.array, other.texts};
             break;
@@ -135,17 +135,17 @@ void EditedStore::edit(Choices& choices) {
             break;
         }
         case 5:
-        case 6: {  // texts
+        case 6: {  // one of the texts
             if (d.texts.empty() || choices.byte() % 8 == 0) d.texts.emplace_back();
             d.texts[choices.below(d.texts.size())] = choices.text();
             break;
         }
-        case 7: {  // all
+        case 7: {  // all values
             const double by = choices.number();
             for (double& value : values) value = choices.byte() % 2 ? value * by : by;
             break;
         }
-        case 8:  // two change places
+        case 8:  // two values are exchanged
             if (!values.empty()) std::swap(values[choices.below(values.size())], values[choices.below(values.size())]);
             break;
         default:

@@ -10,33 +10,35 @@
 
 namespace tissue {
 
-/// Bytes as choices; after their end every choice is 0.
+/// Reads choices from bytes. After the last byte every choice is 0.
 class Choices {
    public:
     Choices(const std::uint8_t* data, std::size_t size) : at_(data), end_(data + size) {}
     bool more() const { return at_ < end_; }
     std::uint8_t byte() { return more() ? *at_++ : std::uint8_t{0}; }
     std::size_t below(std::size_t n);  ///< n > 0
-    double number();                   ///< those that break things, and any other
+    double number();                   ///< a special value (0, nan, inf, limits), a byte, or any other number
     std::string text();
 
    private:
     const std::uint8_t *at_, *end_;
 };
 
-/// Where a target writes a file that it changes: in FUZZ_KEEP, if that is set, where it stays as a seed for fuzz_store.cpp.
+/// Name of the file that a target edits: in the folder FUZZ_KEEP, if that is set, where it is kept as a seed for
+/// fuzz_store.cpp.
 std::string base_file(const std::string& name);
 
-/// An HDF5 file of this project in memory, to be written again with something else in it: bytes of an HDF5 file that are changed at random
-/// seldom get past HDF5, values and shapes that are changed do.
+/// An HDF5 file of this project in memory, edited and written again. HDF5 refuses most files with random changes of
+/// bytes. Files with changed values and shapes reach the project's readers.
 class EditedStore {
    public:
     explicit EditedStore(const std::string& file);
 
-    /// One dataset or attribute made another: a value, a shape, a kind, a text, gone, or the content of another.
+    /// Edits one dataset or attribute: changes a value, shape, kind or text, copies the content of another, or removes
+    /// it.
     void edit(Choices& choices);
 
-    /// Throws FileError where HDF5 does not take it.
+    /// Throws FileError if HDF5 refuses the content.
     void write(const std::string& file) const;
 
    private:

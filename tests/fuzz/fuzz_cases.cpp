@@ -1,4 +1,4 @@
-// Cases: as fuzz_model.cpp, of finite elements, of measurements, of a shape and in space.
+// Cases files, edited as in fuzz_model.cpp: of finite elements, of measurements, of a shape and in space.
 #include "../mesh/embedded_block.h"
 #include "cases/load_path.h"
 #include "edited_store.h"

@@ -1,4 +1,5 @@
-// Datagrams of anyone on this machine, and the tick that takes them: input is a length byte, then so many bytes, again and again.
+// Datagrams to a RemoteDevice, and the ticks that read them. The input is a sequence of datagrams: a length byte, then
+// as many bytes.
 #include <arpa/inet.h>
 #include <sys/socket.h>
 
@@ -12,7 +13,7 @@ using namespace tissue;
 
 namespace {
 
-/// Who sends, and hears the forces.
+/// A peer that sends positions and receives forces.
 class Sender {
    public:
     explicit Sender(int port) : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
@@ -52,7 +53,7 @@ FUZZ_TARGET(datagram)(const std::uint8_t* data, std::size_t size) {
         at += 1 + length;
         for (int tick = 0; tick < 2; ++tick, time_s += 0.001) {
             const Eigen::Vector3d force_N = simulation.tick(device.read(time_s));
-            must(force_N.allFinite() && force_N.norm() <= model.options.safety.force_max_N * (1 + 1e-12), "a force that may not be");
+            must(force_N.allFinite() && force_N.norm() <= model.options.safety.force_max_N * (1 + 1e-12), "a force that is not finite or above its maximum");
             device.write(force_N);
             sender.hear();
         }

@@ -1,5 +1,6 @@
-// What finite elements say, and a course of one's own: CSVs of load paths, of histories, and of courses, in the plane and in space.
-#include "cases/course.h"
+// CSV files of load paths and displacement histories by finite elements, and of displacement histories by the user
+// (Course), in the plane and in space.
+#include "cases/trajectory.h"
 #include "cases/history.h"
 #include "cases/load_path.h"
 #include "fuzz_file.h"
@@ -21,7 +22,7 @@ FUZZ_TARGET(fe)(const std::uint8_t* data, std::size_t size) {
             must(h.time_s.allFinite() && h.push_m.allFinite() && h.force_N.allFinite(), "not finite");
         });
         reads([&] {
-            const Course course = read_course(file, D);
+            const Trajectory course = read_course(file, D);
             must(course.time_s.allFinite() && course.push_m.allFinite(), "not finite");
         });
     }

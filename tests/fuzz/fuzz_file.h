@@ -12,12 +12,14 @@
 
 #include "error.h"
 
-/// Begins a target: what gets bytes, of a test (test_findings.cpp) or of libFuzzer, which knows it by another name (Makefile).
+/// Begins a fuzz target: a function of bytes, called by test_findings.cpp or by libFuzzer (under another name,
+/// Makefile).
 #define FUZZ_TARGET(reader) extern "C" int fuzz_##reader
 
 namespace tissue {
 
-/// Bytes as a file, for readers that want a name. It lies in TMPDIR, else in memory, and lasts as long as this.
+/// Bytes as a file, for readers that need a file name. The file is in TMPDIR, else in memory, and is removed by the
+/// destructor.
 class FuzzFile {
    public:
     FuzzFile(const std::uint8_t* data, std::size_t size, const std::string& name) : file_(folder() + "/" + name) {
@@ -31,7 +33,7 @@ class FuzzFile {
 
     operator const std::string&() const { return file_; }
 
-    /// This process's own, gone when it ends by itself.
+    /// A folder of this process, removed at a regular end of the process.
     static const std::string& folder() {
         struct Folder {
             std::string name = (std::filesystem::path(std::getenv("TMPDIR") ? std::getenv("TMPDIR") : "/dev/shm") / "tissue_fuzz_XXXXXX").string();
@@ -51,19 +53,20 @@ class FuzzFile {
     std::string file_;
 };
 
-/// Reads, and takes a refusal for an answer: an Error of one line. True when it was read. Whatever else is thrown goes on.
+/// Calls read(). Returns true if it succeeds, and false if it throws an Error of one line (a refusal). Other exceptions
+/// are passed on.
 template <class Read>
 bool reads(Read&& read) {
     try {
         read();
         return true;
     } catch (const Error& e) {
-        if (std::string(e.what()).find('\n') != std::string::npos) throw std::logic_error("a refusal of two lines: " + std::string(e.what()));
+        if (std::string(e.what()).find('\n') != std::string::npos) throw std::logic_error("a refusal of more than one line: " + std::string(e.what()));
         return false;
     }
 }
 
-/// What must hold whatever was read.
+/// Throws std::logic_error unless a condition holds that every input must satisfy.
 inline void must(bool holds, const char* what) {
     if (!holds) throw std::logic_error(what);
 }

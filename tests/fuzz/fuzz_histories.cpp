@@ -1,4 +1,4 @@
-// Measured histories: CSV of the tool in time.
+// Measured histories: CSV of the tool's displacement and force over time.
 #include "cases/measured_histories.h"
 #include "fuzz_file.h"
 

@@ -1,4 +1,4 @@
-// Measured contacts: CSV, and the cases that study `measured` makes of them.
+// Measured contacts: CSV, and the cases of study `measured` from them.
 #include "cases/measured_cases.h"
 #include "fuzz_file.h"
 

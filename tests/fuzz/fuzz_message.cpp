@@ -1,4 +1,4 @@
-// What pages say: a message a line, each heard by the show, 20 ms apart.
+// Messages of pages: one message per line, each passed to the show, 20 ms apart.
 #include "../../cli/serve/show.h"
 #include "../haptic/haptic_example.h"
 #include "fuzz_file.h"
@@ -19,7 +19,7 @@ std::string model_file(const TissueModel& model) {
 FUZZ_TARGET(message)(const std::uint8_t* data, std::size_t size) {
     static Stage stage({model_file(haptic_example({"grid4", "isotropic", 3}))}, StageOptions{{}, false});
     double now_s = 100;
-    Show show(stage, [](int, const std::string& text) { must(!text.empty(), "nothing is told"); });
+    Show show(stage, [](int, const std::string& text) { must(!text.empty(), "an empty message is sent"); });
     show.join(0);
     show.join(1);
     const std::string all(reinterpret_cast<const char*>(data), size);
@@ -29,10 +29,10 @@ FUZZ_TARGET(message)(const std::uint8_t* data, std::size_t size) {
         at = end + 1;
         const auto parsed = parse_message(text);
         if (const Refusal* refusal = std::get_if<Refusal>(&parsed)) {
-            must(!refusal->reason.empty() && refusal->reason.size() < 124, "a reason that no close frame carries");
+            must(!refusal->reason.empty() && refusal->reason.size() < 124, "a reason is empty or too long for a close frame");
             bye_message(refusal->reason);
         }
-        if (const auto refusal = show.hear(static_cast<int>(line % 2), text, now_s)) must(refusal->reason.size() < 124, "a reason that no close frame carries");
+        if (const auto refusal = show.hear(static_cast<int>(line % 2), text, now_s)) must(refusal->reason.size() < 124, "a reason is too long for a close frame");
         show.step(now_s);
     }
     stage.channel().pause(false);

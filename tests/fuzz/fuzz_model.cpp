@@ -1,4 +1,5 @@
-// Models: the first byte chooses one of several, the rest says what of it is another. What is read then plays, and learns on.
+// Model files: the first byte selects one of several, the other bytes edit it. A model that can be read is played; an
+// adapted one continues to learn.
 #include "../mesh/embedded_block.h"
 #include "../haptic/haptic_example.h"
 #include "../solid_law_example.h"
@@ -47,7 +48,7 @@ const std::vector<EditedStore>& bases() {
     return all;
 }
 
-/// Down onto the middle of the top, into the tissue, and out.
+/// Moves the device down to the centre of the top, into the tissue, and out.
 void play(const TissueModel& tissue) {
     const HapticModel model(tissue, {});
     Simulation simulation(model);
@@ -57,7 +58,7 @@ void play(const TissueModel& tissue) {
     for (int tick = 0; tick < 24; ++tick) {
         above[up] = model.high_m[up] + height_m * (0.1 - 0.15 * std::sin(0.125 * tick));
         const Eigen::Vector3d force_N = simulation.tick(above.size() == 3 ? sample_at(Eigen::Vector3d(above)) : sample_at(above[0], above[1]));
-        must(force_N.allFinite() && force_N.norm() <= model.options.safety.force_max_N * (1 + 1e-12), "a force that may not be");
+        must(force_N.allFinite() && force_N.norm() <= model.options.safety.force_max_N * (1 + 1e-12), "a force that is not finite or above its maximum");
     }
 }
 

@@ -1,4 +1,4 @@
-// Shapes: MSH of the plane, of solids and of surfaces; what is made of them, and read again.
+// Shapes: MSH files of the plane, of solids and of surfaces; the shapes made from them are written and read again.
 #include "fuzz_file.h"
 #include "mesh/shape.h"
 #include "mesh/solid_shape.h"
@@ -9,7 +9,7 @@ using namespace tissue;
 
 namespace {
 
-/// The first name there is: held. And the others, as regions.
+/// The names of a map, in its order.
 std::vector<std::string> names_of(const std::map<int, std::string>& names) {
     std::vector<std::string> all;
     for (const auto& name : names) all.push_back(name.second);

@@ -1,9 +1,9 @@
-// Pokes: CSV as a file and as a stream, and a model that learns from them.
+// Measurements: CSV as a file and as a stream, and a model that learns from them.
 #include <sstream>
 
 #include "../haptic/haptic_example.h"
 #include "adapt/adaptation.h"
-#include "adapt/pokes_csv.h"
+#include "adapt/measurements_csv.h"
 #include "fuzz_file.h"
 
 using namespace tissue;
@@ -14,15 +14,15 @@ FUZZ_TARGET(pokes)(const std::uint8_t* data, std::size_t size) {
     const FuzzFile file(data, size, "pokes.csv");
     for (const int D : {2, 3})
         reads([&] {
-            const std::vector<Poke> pokes = read_pokes(file, D);
+            const std::vector<ForceMeasurement> pokes = read_measurements(file, D);
             if (D != 2) return;
             adaptation.forget();
             for (std::size_t k = 0; k < pokes.size() && k < 4; ++k) adaptation.learn(pokes[k]);
-            must(adaptation.law().constants.allFinite() && adaptation.law().constants.minCoeff() > 0, "a law that is none");
+            must(adaptation.law().constants.allFinite() && adaptation.law().constants.minCoeff() > 0, "a constant of the energy model is not finite or not positive");
         });
     reads([&] {
         std::istringstream in(std::string(reinterpret_cast<const char*>(data), size));
-        PokeLines lines(in, "standard input", 3);
+        MeasurementLines lines(in, "standard input", 3);
         while (lines.next()) {}
     });
     return 0;

@@ -1,4 +1,4 @@
-// What of a request decides whether it is let in: lines of host, origin, target and cookie.
+// The parts of a request that decide about access: lines of host, origin, target and cookie.
 #include <algorithm>
 
 #include "../../cli/serve/access.h"
@@ -17,8 +17,8 @@ FUZZ_TARGET(request)(const std::uint8_t* data, std::size_t size) {
     }
     const Credentials credentials{part[0], part[1], part[2], part[3], !part[1].empty()};
     const bool open = !refuse(credentials, "", 8080), let_in = !refuse(credentials, token, 8080);
-    must(open || !let_in, "a token opens what is closed without one");
-    must(!let_in || part[2].find(token) != std::string_view::npos || part[3].find(token) != std::string_view::npos, "let in without the token");
+    must(open || !let_in, "a request is accepted with a token and refused without one");
+    must(!let_in || part[2].find(token) != std::string_view::npos || part[3].find(token) != std::string_view::npos, "a request is accepted without the token");
     page_file(std::string(path_of(part[2])));
     is_token(part[3]);
     return 0;

@@ -1,5 +1,5 @@
-// The page's server, on a connection of the loopback: what a visitor sends, HTTP first and then perhaps a WebSocket's frames. Not among the library's tests,
-// which do without Boost.
+// The page's server, on a loopback connection: bytes of a client, HTTP first and then possibly WebSocket frames. Not in
+// the library's tests, which do not use Boost.
 #include <arpa/inet.h>
 #include <sys/socket.h>
 
@@ -30,7 +30,7 @@ class Visit {
         to.sin_family = AF_INET;
         to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
         to.sin_port = htons(static_cast<std::uint16_t>(port));
-        // the machine may be out of ports for a moment, and libFuzzer's alarm interrupts
+        // Ports may run out for a moment, and libFuzzer's alarm interrupts connect().
         for (int tries = 0;; ++tries) {
             socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
             if (::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to) == 0) break;
@@ -39,14 +39,14 @@ class Visit {
             must(tries < 100, std::strerror(why));
             std::this_thread::sleep_for(std::chrono::milliseconds(100));
         }
-        const linger at_once{1, 0};  // or each leaves a port behind for a minute
+        const linger at_once{1, 0};  // otherwise each connection occupies a port for a minute
         ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
     }
     ~Visit() { ::close(socket_); }
     Visit(const Visit&) = delete;
     Visit& operator=(const Visit&) = delete;
 
-    /// False when nobody listens any more.
+    /// False when the server has closed the connection, or does not read.
     bool send(const char* data, std::size_t size) { return ::send(socket_, data, size, MSG_NOSIGNAL | MSG_DONTWAIT) == static_cast<ssize_t>(size); }
     void hear() {
         char answer[65536];
@@ -64,11 +64,11 @@ void work(Listener& server) {
 
 }  // namespace
 
-/// Pieces, each with a byte before it: how many bytes more than one it has.
+/// The input is a sequence of pieces. The byte before each piece is its length less one.
 FUZZ_TARGET(server)(const std::uint8_t* data, std::size_t size) {
     static Stage stage({model_file()}, StageOptions{{}, false});
     static Listener& server = *[] {
-        auto* listener = new Listener(stage, ServerOptions{});  // as long as the program, as its connections
+        auto* listener = new Listener(stage, ServerOptions{});  // lives until the program ends, as its connections do
         listener->listen();
         listener->accept();
         return listener;
@@ -91,6 +91,6 @@ FUZZ_TARGET(server)(const std::uint8_t* data, std::size_t size) {
         work(server);
         if (k > 20) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    must(server.connections == 0 && server.pages.empty(), "who has gone is still there");
+    must(server.connections == 0 && server.pages.empty(), "a closed connection or its page is still registered");
     return 0;
 }

@@ -1,4 +1,4 @@
-// Any bytes for an HDF5 file: model, cases or recording.
+// Arbitrary bytes as an HDF5 file, read as model, cases and recording.
 #include "adapt/adapted_model.h"
 #include "cases/load_path.h"
 #include "fuzz_file.h"

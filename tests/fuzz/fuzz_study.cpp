@@ -1,4 +1,4 @@
-// Studies: TOML, every rule of lib/study, and the plan that make asks of one.
+// Studies: TOML, every rule of lib/study, and the plan for make.
 #include "cases/plan.h"
 #include "fuzz_file.h"
 #include "study/study.h"

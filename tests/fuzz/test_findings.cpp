@@ -1,4 +1,4 @@
-// Inputs that once broke a reader (tests/data/fuzz/READER/), and the seeds that fuzzing begins with, through the fuzz targets themselves.
+// Runs the fuzz targets on inputs of earlier findings (tests/data/fuzz/READER/) and on the seeds of fuzzing.
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <filesystem>
@@ -37,18 +37,18 @@ int read_all(const Target& target, const std::string& folder) {
 
 }  // namespace
 
-TEST_CASE("what once broke a reader is read or refused", "[fuzz]") {
+TEST_CASE("readers read or refuse the inputs of earlier fuzz findings", "[fuzz]") {
     int files = 0;
     for (const Target& target : targets) files += read_all(target, "tests/data/fuzz");
     CHECK(files > 0);
 }
 
-TEST_CASE("the seeds of every fuzz target are read or refused, and so is nothing at all", "[fuzz]") {
+TEST_CASE("every listed fuzz target reads or refuses its seeds and an empty input", "[fuzz]") {
     for (const Target& target : targets) {
         read_all(target, "tests/fuzz/corpus");
         CHECK_NOTHROW(target.read(nullptr, 0));
     }
-    for (const auto& entry : std::filesystem::directory_iterator("tests/fuzz")) {  // every target is in the list above
+    for (const auto& entry : std::filesystem::directory_iterator("tests/fuzz")) {  // TARGETS must list every target
         const std::string name = entry.path().stem().string();
         if (name.rfind("fuzz_", 0) != 0 || name == "fuzz_server" || entry.path().extension() != ".cpp") continue;
         INFO(name);

@@ -12,45 +12,48 @@
 
 namespace tissue::test {
 
-/// What holds the tool: device and hand as one mass with a damper to the ground and a spring to where it was let go.
+/// Device and hand as one mass, with a damper to the ground and a spring to the place where it began to move freely.
 struct Hand {
     const char* name;
     double mass_kg, damping_Ns_m, stiffness_N_m;
 };
 
 constexpr Hand hands[] = {
-    {"45 g alone", 0.045, 0.2, 0},  // a Touch that nobody holds
+    {"45 g alone", 0.045, 0.2, 0},  // a Touch without a hand
     {"100 g", 0.1, 1, 0},
     {"150 g", 0.15, 3, 300},
     {"200 g", 0.2, 6, 500},
 };
 
-/// When ticks come: period, and what is drawn about it.
+/// Timing of the ticks: the period and its random variation.
 struct Clock {
     const char* name;
     double jitter_s, late_share;  ///< a late tick comes one to three periods late
-    double age_s = 0;             ///< of a position when it is used
+    double age_s = 0;             ///< age of a position when it is used
 };
 
 constexpr Clock clocks[] = {{"on time", 0, 0}, {"jitter 0.3 ms", 3e-4, 0}, {"2 % late", 0, 0.02}};
 
-/// A hand that is let go at a contact with a constant force, and what becomes of it.
+/// A hand that moves freely under a constant force from a contact on.
 struct Release {
-    Point contact_m, inward;   ///< where, and the way in; the force goes that way
+    Point contact_m, inward;   ///< place, and unit vector into the tissue, along which the force acts
     double force_N = 1;
     double seconds = 3.2;
     bool creeps = false;       ///< the tissue relaxes
-    double drag_m = 0.02;      ///< how far a hand that drags goes
-    double inset_m = 5e-4;     ///< how deep the hand leads the tool before it lets go, drags or presses
+    double drag_m = 0.02;      ///< length of a drag
+    double inset_m = 5e-4;     ///< depth to which the hand is led first
 };
 
 struct Rest {
-    double swing_m = 0;        ///< largest extent of the hand's way in a quarter of a second, after 2 s
-    double damped_m = 0;       ///< swing_m of the same hand on a spring without losses, of the tissue's secant stiffness, scaled to the same extent in the first second; 0 for a tool that ends off the tissue
-    double swing_N = 0;        ///< likewise of the force on the hand
-    double force_N = 0;        ///< that the hand pushes with at the end
-    double controlled = 0;     ///< share of ticks in which the passivity controller worked
-    Point touched_m, push_m, tissue_N;  ///< at the end: contact at rest, tool displacement there, and force of the tool on the tissue
+    double swing_m = 0;        ///< largest extent of the hand's path in a quarter of a second, after 2 s
+    /// swing_m of the same hand on a spring without losses that has the tissue's secant stiffness, scaled to the same
+    /// extent in the first second; 0 where the tool ends outside the tissue
+    double damped_m = 0;
+    double swing_N = 0;        ///< the same of the force on the hand
+    double force_N = 0;        ///< force of the hand at the end
+    double controlled = 0;     ///< share of ticks in which the passivity controller acted
+    /// at the end: contact at rest, tool displacement there, and force of the tool on the tissue
+    Point touched_m, push_m, tissue_N;
     bool contact = false;      ///< at the end
     int faults = 0;
 };
@@ -60,7 +63,7 @@ struct Moment {
     Eigen::Vector3d position_m, force_N;
 };
 
-/// Diagonal of the box round a quantity; where the tissue creeps, round how far it is off a straight course.
+/// Diagonal of the bounding box of a quantity. Where the tissue creeps, of its deviation from a straight line in time.
 template <class Of>
 double extent(const std::vector<Moment>& way, bool creeps, const Of& of) {
     const Moment &first = way.front(), &last = way.back();
@@ -73,12 +76,13 @@ double extent(const std::vector<Moment>& way, bool creeps, const Of& of) {
     return (high - low).norm();
 }
 
-/// A hand on the tissue: twenty integration steps a tick, the force held between two ticks, as a device holds it.
+/// A hand on the tissue, with twenty integration steps per tick. The force is constant between two ticks, as a device
+/// holds it.
 class HandLoop {
    public:
     HandLoop(const HapticModel& model, const Hand& hand, const Clock& clock) : simulation(model), hand_(hand), clock_(clock) {}
 
-    /// Led there on a straight way, whatever the force is.
+    /// Moves the hand on a straight line, independent of the force.
     void lead(const Point& from_m, const Point& to_m, double seconds) {
         const double dt = simulation.model().options.dt_s;
         const int count = static_cast<int>(seconds / dt);
@@ -91,7 +95,7 @@ class HandLoop {
         v.setZero();
     }
 
-    /// applied(time, x, v): what moves it beside the tissue [N]. each(*this): after every tick.
+    /// applied(time, x, v): force on the hand besides that of the tissue [N]. each(*this): called after every tick.
     template <class Applied, class Each>
     void play(double seconds, const Applied& applied, const Each& each) {
         constexpr int steps = 20;
@@ -125,7 +129,8 @@ class HandLoop {
     Simulation simulation;
     Eigen::Vector3d x = Eigen::Vector3d::Zero(), v = x, force = x;
     double time = 0;                                     ///< in play()
-    double given_J = 0, most_given_J = 0, put_in_J = 0;  ///< of the tissue to hand and device, by the true motion; the most of it since the start; the most that it has taken
+    /// energy given to hand and device, by the true motion; its largest value; the largest energy put in
+    double given_J = 0, most_given_J = 0, put_in_J = 0;
     long long ticks = 0;
     int faults = 0;
 
@@ -152,13 +157,15 @@ class HandLoop {
     Clock clock_;
     std::mt19937_64 random_{2008};
     double offset_ = 0, now_s_ = 0;
-    std::deque<std::pair<double, Eigen::Vector3d>> way_;  ///< of the hand, as far back as positions are old
+    std::deque<std::pair<double, Eigen::Vector3d>> way_;  ///< path of the hand, as far back as positions are old
 };
 
-/// When let_go measures: the force rises for ramp_s; then the first second, and after wait_s windows of window_s.
+/// Times of let_go: the force rises for ramp_s. The first second is measured then, and after wait_s windows of
+/// window_s.
 constexpr double ramp_s = 0.2, first_s = 1, wait_s = 2, window_s = 0.25;
 
-/// What let_go would measure after wait_s, over what it would in the first second, on a spring without losses that begins where the hand is let go.
+/// Extent that let_go would measure after wait_s, over that of the first second, on a spring without losses that begins
+/// at the hand's first place.
 inline double left_by_damping(const Hand& hand, double spring_N_m, double seconds) {
     constexpr double h = 1e-4;
     const auto along = [](double x) { return Moment{0, {x, 0, 0}, {0, 0, 0}}; };
@@ -178,7 +185,7 @@ inline double left_by_damping(const Hand& hand, double spring_N_m, double second
     return most / extent_of(first);
 }
 
-/// A hand that is led to just inside of the surface, let go and rests.
+/// A hand that is led to just inside the surface, then moves freely under the force and comes to rest.
 inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
     bool first_way = true;
     double first_m = 0;
@@ -219,23 +226,28 @@ inline Rest let_go(const HapticModel& model, const Hand& hand, const Clock& cloc
     return rest;
 }
 
-/// What a hand gets and feels while it does something.
+/// Energy and motion of a hand during an action.
 struct Ride {
-    double most_given_J = 0, put_in_J = 0;  ///< of the tissue to the hand, and of the hand to the tissue
-    double tremor_m = 0;                    ///< largest extent of the hand's way in a fiftieth of a second, off a straight course, after a second and a half; of one that drags while it is on the tissue
+    double most_given_J = 0, put_in_J = 0;  ///< energy given to the hand, and energy put in by the hand
+    /// largest extent of the hand's path in a fiftieth of a second, as deviation from a straight line, after 1.5 s; of
+    /// a hand that drags, while it is on the tissue
+    double tremor_m = 0;
     double controlled = 0;
     int faults = 0;
     bool contact = false;                   ///< at the end
-    bool lost = false;                      ///< whether a hand was off the tissue while it was dragged
+    bool lost = false;                      ///< whether a dragging hand lost contact
 
-    /// Nothing came out that had not been put in, but for what a tick too late to know better gives.
+    /// The hand got at most 1 % of the energy that it put in, and a microjoule. A late tick may give that much.
     bool passive() const { return most_given_J <= 1e-6 + 0.01 * put_in_J; }
 };
 
 enum class Deed { taps, lets_go, drags };
 
-/// The tissue at rest. taps: flies in from outside at 0.3 m/s, its grip 3 mm inside of the surface, where it has one. lets_go: led onto the surface, presses with the force to rest, then not any more.
-/// drags: led onto it, presses with the force and is led along the surface after a second, release.drag_m there, back and half the way again.
+/// An action on tissue at rest.
+/// taps: moves in from outside at 0.3 m/s. A grip, for hands with a stiffness, pulls it to 3 mm inside the surface.
+/// lets_go: is led onto the surface, presses with the force for 1.5 s, then without any force.
+/// drags: is led onto the surface and presses with the force. After a second it is led along the surface by
+/// release.drag_m, back, and by half of that again.
 inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Clock& clock, const Release& release) {
     HandLoop loop(model, hand, clock);
     const DeviceMap& map = model.options.map;
@@ -265,7 +277,7 @@ inline Ride does(Deed deed, const HapticModel& model, const Hand& hand, const Cl
     };
     const auto grip = [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(-hand.stiffness_N_m * (x - held)); };
     const auto pressed = [&](double time, const Eigen::Vector3d& x, const Eigen::Vector3d& v) {
-        // a damper of its own while the force rises, so that it rests when that is over
+        // a damper while the force rises, so that the hand is at rest afterwards
         const Eigen::Vector3d brake = time < 0.5 ? Eigen::Vector3d(-6 * v) : Eigen::Vector3d::Zero().eval();
         return Eigen::Vector3d(std::min(1.0, time / 0.3) * release.force_N * inward + brake + (hand.stiffness_N_m > 0 ? 0 : -100) * (x - held).dot(along) * along);
     };

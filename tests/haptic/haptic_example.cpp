@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/heuristic.h"
 
 namespace tissue {
@@ -53,9 +53,9 @@ TissueModel law_example(const SpringMesh& mesh) {
     m.node_mass_kg = node_masses(mesh, 1040, thickness_m);
     m.heuristic_a = heuristic_stiffness(mesh, m.modulus_N_m);
     m.heuristic_b = m.heuristic_a / 6;
-    const EnergyLaw law(mesh, law_heuristic(mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all", "spring.held", "contact.normal", "contact.tangent"});
+    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all", "spring.held", "contact.normal", "contact.tangent"});
     const Eigen::Vector4d p(-0.1, -0.7, 0.6, 0.1);
-    m.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    m.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
     const Outline outline(mesh);
     const int C = 10;
     m.contact_m.resize(C, 2);
@@ -72,10 +72,10 @@ TissueModel law_example(const SpringMesh& mesh) {
 }
 
 TissueModel relaxing(TissueModel law) {
-    Relaxation& r = law.energy_law->relaxation;
+    Relaxation& r = law.energy_model->relaxation;
     r.tau_s = Eigen::Vector3d(0.05, 1, 10);
     r.contact_share = Eigen::Vector3d(0.30, 0.25, 0.20);
-    r.share = r.contact_share.transpose().replicate(law.energy_law->constants.size(), 1);
+    r.share = r.contact_share.transpose().replicate(law.energy_model->constants.size(), 1);
     return law;
 }
 

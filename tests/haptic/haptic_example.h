@@ -13,21 +13,24 @@ namespace tissue {
 struct ExampleModel {
     std::string topology = "grid4", law = "isotropic";
     int cells = 10;
-    double spread = 0.5;         ///< how much the sets differ from the heuristic, and from each other
-    double stiffer = 1;          ///< all sets times this
+    double spread = 0.5;         ///< difference of the sets from the heuristic and from each other
+    double stiffer = 1;          ///< factor on all sets
     double thickness_m = 1.0 / 6000;
 };
 
-/// A model as the paper's: 10 cm, 9 pushes at 10 and 15 mm, a spring set each, in memory. No FE in it.
+/// A model like the paper's, in memory and without FE: a square of 10 cm, nine contacts and directions with tool
+/// displacements of 10 and 15 mm, a spring set each.
 TissueModel haptic_example(const ExampleModel& e = {});
 
-/// A law in memory, on any mesh: near what `surface-quick` learns, 0.1 m thick, with load cases 5 and 10 mm deep. No FE in it.
+/// An energy model in memory, without FE, on any mesh: near the trained `surface-quick`, 0.1 m thick, with load cases 5
+/// and 10 mm deep.
 TissueModel law_example(const SpringMesh& mesh = make_lattice("grid8", 10, 10, 0.1, 0.1));
 
-/// The same law with three branches, 75 % of every constant in them; the contact's too.
+/// The same energy model with three Maxwell branches, whose relative moduli add up to 75 % for every constant and for
+/// the contact.
 TissueModel relaxing(TissueModel law);
 
-/// Uniform numbers that are the same on every machine.
+/// Uniform random numbers that are the same on every machine.
 class Draw {
    public:
     explicit Draw(unsigned long seed) : random_(seed) {}
@@ -40,16 +43,17 @@ class Draw {
     std::mt19937_64 random_;
 };
 
-/// When the next tick comes [s]: on time, late, early, in bursts, and so late that the device has let go of the force.
+/// Time to the next tick [s]: on time, late, early, in bursts, and so late that the device has released the force.
 class Pace {
    public:
     explicit Pace(unsigned long seed) : draw_(seed) {}
     double next(double dt_s) {
         if (--left_ <= 0) mode_ = draw_.below(5), left_ = 1 + draw_.below(300);
-        if (mode_ == 1) return draw_.below(20) ? dt_s : dt_s * draw_(1, 5);                  // a late one now and then
+        if (mode_ == 1) return draw_.below(20) ? dt_s : dt_s * draw_(1, 5);                  // sometimes late
         if (mode_ == 2) return dt_s * draw_(0.3, 1.7);                                       // early and late
-        if (mode_ == 3) return draw_.below(8) ? dt_s * draw_(0, 0.05) : dt_s * draw_(3, 5);  // none, then a burst
-        if (mode_ == 4) return draw_.below(30) ? dt_s * draw_(1, 5) : dt_s * draw_(5, 2000); // always late, or gone
+        if (mode_ == 3) return draw_.below(8) ? dt_s * draw_(0, 0.05) : dt_s * draw_(3, 5);  // a gap, then a burst
+        // always late, sometimes very late
+        if (mode_ == 4) return draw_.below(30) ? dt_s * draw_(1, 5) : dt_s * draw_(5, 2000);
         return dt_s;
     }
 
@@ -58,20 +62,22 @@ class Pace {
     int mode_ = 0, left_ = 0;
 };
 
-/// How many adversarial ticks a test runs: `usual`, or TISSUE_ADVERSARIAL_TICKS where that is set (10^7 in the issue). Each kind is a
-/// section: `TISSUE_ADVERSARIAL_TICKS=10000000 test_tissue '[simulation][adversarial]' -c 'grid8 relaxing law auto, force times 1, on time'`.
+/// Number of adversarial ticks of a test: `usual`, or TISSUE_ADVERSARIAL_TICKS where that is set. Each kind is a
+/// section:
+/// TISSUE_ADVERSARIAL_TICKS=10000000 test_tissue '[simulation][adversarial]' -c 'NAME'
+/// with a NAME such as: grid8 relaxing law auto, force scale 1, on time
 long long adversarial_ticks(long long usual);
 
-/// Watches the device's port while it ticks: what goes out is finite and within its limits, zero at once on a fault, and what the
-/// hand is given, by its own book, stays below the bound.
+/// Checks the device's port in every tick: the force is finite and within its limits, and zero at once on a fault. It
+/// also computes the energy given to the hand, to be compared with the bound.
 class Port {
    public:
     explicit Port(Simulation& simulation) : s_(simulation), o_(simulation.model().options), longest_s_(o_.dt_s) {}
 
-    /// Ticks, and checks. False where there may be no force: a fault, or a mesh without an inside.
+    /// Ticks, and checks. Returns false on a fault, and where a mesh crosses itself or diverged.
     bool tick(const DeviceSample& sample, double elapsed_s);
 
-    double worst_J() const { return worst_J_; }   ///< most that the hand had been given
+    double worst_J() const { return worst_J_; }   ///< largest energy given to the hand
     double bound_J() const { return longest_s_ / o_.dt_s * s_.safety().bound_J(); }
     long long faults() const { return faults_; }
 
@@ -87,12 +93,12 @@ class Port {
 /// Sample at a point of the plane, for the default map.
 DeviceSample sample_at(double x_m, double y_m);
 
-/// What slew limits: how far a force has gone from the nearest share of what it was.
+/// Quantity that slew limits: distance of a force from the nearest k F, F: the force before, 0 <= k <= 1.
 inline double rise_N(const Eigen::Vector3d& before_N, const Eigen::Vector3d& now_N) {
     const double square = before_N.squaredNorm(), kept = square > 0 ? std::clamp(now_N.dot(before_N) / square, 0.0, 1.0) : 0;
     return (now_N - kept * before_N).norm();
 }
-/// In space.
+/// Sample at a point in space.
 DeviceSample sample_at(const Eigen::Vector3d& place_m);
 
 }  // namespace tissue

@@ -12,8 +12,8 @@ bool Port::tick(const DeviceSample& sample, double elapsed_s) {
     const Eigen::Vector3d x = sample.position_m, now = s_.tick(sample, elapsed_s);
     const SafetyCounters& after = s_.safety().counters();
     const bool fault = after.bad_input + after.jump + after.stale > before.bad_input + before.jump + before.stale;
-    if (given_J_ > 0) given_J_ *= std::exp(-elapsed_s / surplus_fades_s);  // as the bound is said to be
-    // the port, with the force that was held while the hand came here, or until the device let go of it
+    if (given_J_ > 0) given_J_ *= std::exp(-elapsed_s / surplus_fades_s);  // as in the bound of haptic/safety.h
+    // Energy at the port, with the force that was held during the hand's motion, or until the device released it.
     if (elapsed_s > o_.safety.hold_s / 2) {
         given_J_ += force_N_.norm() * o_.safety.speed_max_m_s * std::min(elapsed_s, o_.safety.hold_s);
         force_N_.setZero();

@@ -1,4 +1,4 @@
-// A rigid ball in the tick: it rests where BallPress has it, gives no energy, and its session is copied and saved like any other.
+// A rigid ball in the tick: static equilibrium as BallIndentation has it, energy, and saving and copying of sessions.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -9,8 +9,8 @@
 #include "error.h"
 #include "hand.h"
 #include "haptic/learner.h"
-#include "springs/ball_press.h"
-#include "springs/law_at_radius.h"
+#include "springs/ball_indentation.h"
+#include "springs/energy_model_at_radius.h"
 
 using namespace tissue;
 using namespace tissue::test;
@@ -20,7 +20,7 @@ namespace {
 
 const Eigen::Vector3d place(0.021, 0.033, 0.02), inward(0, 0, -1);
 
-/// Without a second mesh.
+/// Options without a second mesh.
 HapticOptions with_ball(double radius_m) {
     HapticOptions options;
     options.heuristic_mesh = false;
@@ -38,7 +38,7 @@ struct Ball {
     explicit Ball(double radius_m) : Ball(radius_m, with_ball(radius_m)) {}
 };
 
-/// A hand that is led along a straight way, and the work that it does [J].
+/// A hand that is led along a straight path, and the work that it does [J].
 struct Led {
     Simulation simulation;
     Eigen::Vector3d at, force = Eigen::Vector3d::Zero();
@@ -64,12 +64,14 @@ struct Led {
 
 }  // namespace
 
-TEST_CASE("a ball in the tick rests with the force that it has at rest, straight in and tilted, wherever its contact is smaller or larger than the discs that are known", "[solid][simulation]") {
+TEST_CASE("a ball in the tick settles at the force and displacement of its static equilibrium along normal and oblique indentations", "[solid][simulation]") {
     for (const double radius_m : {0.005, 0.010}) {
         const Ball ball(radius_m);
-        const BallPress answer(ball.own.mesh, *ball.own.energy_law, radius_m);
+        const BallIndentation answer(ball.own.mesh, *ball.own.energy_model, radius_m);
         for (const Eigen::Vector3d& way : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0.36, 0.48, -0.8)})
-            for (const double depth : {0.05, 0.25, 0.6}) {  // away from the radii at which the correction has a kink: the static answer takes its derivative over 2 %
+            // Depths avoid the contact radii at which the correction has a kink: the static solution differentiates it
+            // over 2 %.
+            for (const double depth : {0.05, 0.25, 0.6}) {
                 Led hand(ball.model, place - 0.002 * way);
                 hand.lead(place - 0.0001 * way);
                 hand.lead(place + depth * radius_m * way, 0.001);
@@ -77,7 +79,7 @@ TEST_CASE("a ball in the tick rests with the force that it has at rest, straight
                 const TickRecord& r = hand.simulation.record();
                 REQUIRE(r.mesh == 0);
                 const Equilibrium rest = answer.at(ball.model.meshes[0]->springs.rest_place(r.facet, r.weight), hand.simulation.displacement_at_contact(0));
-                INFO("ball of " << radius_m << " m, " << depth << " of that along " << way.transpose() << ": " << rest.contact_force.norm() << " N");
+                INFO("ball of " << radius_m << " m, " << depth << " radii deep along " << way.transpose() << ": " << rest.contact_force.norm() << " N");
                 REQUIRE(rest);
                 CHECK((r.coupling_N + rest.contact_force).norm() < 3e-3 * rest.contact_force.norm());
                 NodeColumns seen;
@@ -87,7 +89,7 @@ TEST_CASE("a ball in the tick rests with the force that it has at rest, straight
     }
 }
 
-TEST_CASE("a ball that is more than half in still pushes the harder the deeper it is, without a jump, and lets go", "[solid][simulation]") {
+TEST_CASE("the force of a ball rises without jumps to a depth of 1.6 radii and vanishes after withdrawal", "[solid][simulation]") {
     const Ball ball(0.005);
     Led hand(ball.model, place - 0.002 * inward);
     double before = 0, least = 1, largest = 0;
@@ -106,7 +108,7 @@ TEST_CASE("a ball that is more than half in still pushes the harder the deeper i
     CHECK(hand.simulation.record().mesh == -1);
 }
 
-TEST_CASE("a ball gives no energy: pressed and drawn back, dragged without slip and with friction", "[solid][simulation]") {
+TEST_CASE("a cycle of indentation and drag with a ball takes net work from the hand with and without slip", "[solid][simulation]") {
     for (const double friction : {std::numeric_limits<double>::infinity(), 0.3}) {
         HapticOptions options = with_ball(0.010);
         options.friction.stick = friction;
@@ -122,9 +124,9 @@ TEST_CASE("a ball gives no energy: pressed and drawn back, dragged without slip 
                 hand.lead(place + 0.004 * inward + across, 0.05);
                 hand.lead(place - 0.001 * inward + across, 0.05);
                 hand.lead(place - 0.001 * inward, 0.05);
-                INFO("friction " << friction << ", across " << across_m << ", round " << round << ": " << in_J << " J in, " << hand.work_J - before_J << " J left");
+                INFO("friction " << friction << ", across " << across_m << ", round " << round << ": " << in_J << " J to the depth, " << hand.work_J - before_J << " J in the cycle");
                 CHECK(hand.work_J - before_J > 0);
-                if (across_m == 0) CHECK(hand.work_J - before_J < 0.25 * in_J);  // on the way in and out what damps alone is left
+                if (across_m == 0) CHECK(hand.work_J - before_J < 0.25 * in_J);  // without a drag only damping is lost
             }
             CHECK(hand.simulation.safety().counters().damped == 0);
             if (std::isinf(friction)) CHECK(hand.simulation.friction().dissipated_J() == 0);
@@ -134,7 +136,7 @@ TEST_CASE("a ball gives no energy: pressed and drawn back, dragged without slip 
     }
 }
 
-TEST_CASE("a ball rests with the same force whatever the rate of the host, and gives no energy from 50 Hz on", "[solid][simulation]") {
+TEST_CASE("the rest force of a ball is independent of the host rate and cycles from 50 Hz on give no energy", "[solid][simulation]") {
     HapticOptions options = with_ball(0.010);
     options.safety.hold_s = std::numeric_limits<double>::infinity();
     const Ball ball(0.010, options);
@@ -147,9 +149,10 @@ TEST_CASE("a ball rests with the same force whatever the rate of the host, and g
         const double in_J = hand.work_J;
         hand.lead(place - 0.005 * way, 0.05);
         hand.wait(10);
-        INFO(rate_Hz << " Hz: " << hand.work_J << " J left");
+        INFO(rate_Hz << " Hz: " << hand.work_J << " J in the cycle");
         CHECK(hand.force.norm() == 0);
-        CHECK(hand.work_J > (rate_Hz < 50 ? -0.01 * in_J : 0));  // at 20 Hz the hand is 2.5 mm farther at each tick, and the tissue stiffens in between
+        // at 20 Hz the hand moves 2.5 mm per tick, and the tissue stiffens meanwhile
+        CHECK(hand.work_J > (rate_Hz < 50 ? -0.01 * in_J : 0));
         return force;
     };
     const Eigen::Vector3d usual = rest(1000);
@@ -159,7 +162,7 @@ TEST_CASE("a ball rests with the same force whatever the rate of the host, and g
     }
 }
 
-TEST_CASE("a ball that a slow host presses deeper than its device can show stays pressed", "[solid][simulation]") {
+TEST_CASE("a ball driven deeper by a slow host stays in contact at the device's force limit", "[solid][simulation]") {
     for (const double force_max_N : {0.1, 0.3})
         for (const double rate_Hz : {20.0, 50.0}) {
             HapticOptions options = with_ball(0.010);
@@ -178,9 +181,9 @@ TEST_CASE("a ball that a slow host presses deeper than its device can show stays
         }
 }
 
-TEST_CASE("a hand with mass comes to rest on a ball, where the ball's own equilibrium is", "[solid][hand][long]") {
+TEST_CASE("a hand with mass comes to rest at the static equilibrium of a ball", "[solid][hand][long]") {
     const Ball ball(0.010);
-    const BallPress answer(ball.own.mesh, *ball.own.energy_law, 0.010);
+    const BallIndentation answer(ball.own.mesh, *ball.own.energy_model, 0.010);
     for (const Hand& hand : hands)
         for (const test::Clock& clock : clocks) {
             Release release;
@@ -188,7 +191,7 @@ TEST_CASE("a hand with mass comes to rest on a ball, where the ball's own equili
             release.inward = inward;
             release.force_N = 0.5 + 0.003 * hand.stiffness_N_m;
             const Rest rest = let_go(ball.model, hand, clock, release);
-            INFO(hand.name << ", " << clock.name << ": swing " << 1e3 * rest.swing_m << " mm (own damping leaves " << 1e3 * rest.damped_m << "), " << rest.swing_N << " N of " << rest.force_N << " N");
+            INFO(hand.name << ", " << clock.name << ": swing " << 1e3 * rest.swing_m << " mm (the hand's damping alone leaves " << 1e3 * rest.damped_m << "), " << rest.swing_N << " N of " << rest.force_N << " N");
             REQUIRE(rest.contact);
             CHECK(rest.faults == 0);
             CHECK(rest.swing_m < std::max(1e-4, rest.damped_m));
@@ -199,7 +202,7 @@ TEST_CASE("a hand with mass comes to rest on a ball, where the ball's own equili
         }
 }
 
-TEST_CASE("a session with a ball is saved, restored and copied bit for bit, held back by a device or not, and its ticks allocate nothing", "[solid][simulation]") {
+TEST_CASE("a copied session with a ball continues bit for bit and its ticks allocate nothing", "[solid][simulation]") {
     for (const double force_max_N : {100.0, 0.1}) {
         HapticOptions options = with_ball(0.010);
         options.safety.force_max_N = force_max_N;
@@ -229,7 +232,7 @@ TEST_CASE("a session with a ball is saved, restored and copied bit for bit, held
         CHECK(allocations == 0);
         if (force_max_N > 1) CHECK(largest_m > 0.006);
         if (force_max_N < 1) CHECK(hand.simulation.record().coupling_N.norm() < 1.001 * force_max_N);
-        // out again: the bytes are the same
+        // After withdrawal the session and its copy save equal bytes.
         hand.lead(place - 0.002 * inward);
         hand.wait(200);
         CHECK(hand.simulation.record().mesh == -1);
@@ -240,7 +243,7 @@ TEST_CASE("a session with a ball is saved, restored and copied bit for bit, held
     }
 }
 
-TEST_CASE("a ball that is held back by what its device can show slides without gaining energy, and its contact does not change from tick to tick", "[solid][simulation]") {
+TEST_CASE("a ball at the force limit slides without energy gain and with contact radius changes below 5 % per tick", "[solid][simulation]") {
     HapticOptions options = with_ball(0.010);
     options.safety.force_max_N = 0.2;
     options.friction.stick = 0.3;
@@ -266,7 +269,7 @@ TEST_CASE("a ball that is held back by what its device can show slides without g
     CHECK(hand.simulation.friction().dissipated_J() - dissipated_J < hand.work_J - work_J);
 }
 
-TEST_CASE("a ball presses a second mesh beside, and a session that follows another takes it over", "[solid][simulation]") {
+TEST_CASE("a ball also indents the mesh beside and keeps its force after a take-over by another session", "[solid][simulation]") {
     HapticOptions options = with_ball(0.008);
     options.heuristic_mesh = true;
     const Ball ball(0.008, options);
@@ -288,7 +291,7 @@ TEST_CASE("a ball presses a second mesh beside, and a session that follows anoth
     CHECK((force - hand.force).norm() < 0.02 * hand.force.norm());
 }
 
-TEST_CASE("a tool is a shape and a radius, and a model refuses what it does not know", "[solid][simulation]") {
+TEST_CASE("a tool is parsed as shape and radius and a model refuses a tool that it was not made for", "[solid][simulation]") {
     CHECK(tool_choice("disc").is_default());
     CHECK(tool_choice("disc:5mm") == ToolChoice{ToolChoice::Shape::disc, 0.005});
     CHECK(tool_choice("ball:0.004") == ToolChoice{ToolChoice::Shape::ball, 0.004});
@@ -304,19 +307,19 @@ TEST_CASE("a tool is a shape and a radius, and a model refuses what it does not 
     const auto refused = [](const TissueModel& m, const char* tool) { return refusal<MismatchError>([&] { with_tool(m, tool_choice(tool)); }); };
     CHECK_THAT(refused(model, "ball:4.2mm"), Contains("ball:0.0042") && Contains("3.9 mm") && Contains("discs from 4 to 10 mm"));
     CHECK_THAT(refused(model, "ball:11mm"), Contains("discs from 4 to 10 mm"));
-    CHECK_THAT(refused(solid_law_example(model.mesh), "ball:5mm"), Contains("a disc of 7 mm alone"));
+    CHECK_THAT(refused(solid_law_example(model.mesh), "ball:5mm"), Contains("only a disc of 7 mm"));
     TissueModel relaxing = model;
-    relaxing.energy_law->relaxation.tau_s = Eigen::VectorXd::Constant(1, 0.5);
+    relaxing.energy_model->relaxation.tau_s = Eigen::VectorXd::Constant(1, 0.5);
     CHECK_THAT(refused(relaxing, "ball:5mm"), Contains("relaxes"));
     const HapticOptions options = with_ball(0.005);
     const TissueModel of_ball = with_tool(model, options.tool);
     Adaptation adaptation(model);
     HapticOptions of_disc = options;
     of_disc.tool = {};
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(of_ball, of_disc); }), Contains("tool disc") && Contains("was not made for it"));
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(of_ball, of_disc); }), Contains("tool disc") && Contains("was not prepared for this tool"));
     const HapticModel plays(of_ball, options);
-    CHECK_THAT(refusal<MismatchError>([&] { Learner(plays, adaptation); }), Contains("not under a ball"));
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool ball:0.005") && Contains("was not made for it"));
+    CHECK_THAT(refusal<MismatchError>([&] { Learner(plays, adaptation); }), Contains("not with a ball"));
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool ball:0.005") && Contains("was not prepared for this tool"));
     CHECK(HapticModel(with_tool(model, options.tool), options).fingerprint != HapticModel(with_tool(model, tool_choice("disc:5mm")), [] {
         HapticOptions disc = with_ball(0.005);
         disc.tool = tool_choice("disc:5mm");

@@ -9,7 +9,7 @@ using namespace tissue;
 
 namespace {
 
-/// A square of `per_side` segments a side, counter-clockwise from its low corner.
+/// A square of `per_side` segments per side, counter-clockwise from its lower left corner.
 MovingOutline square(double low_x, double low_y, double size, int per_side = 1) {
     MovingOutline outline(4 * per_side);
     const double x[5] = {0, 1, 1, 0, 0}, y[5] = {0, 0, 1, 1, 0};
@@ -40,7 +40,7 @@ ContactState in_contact(int segment, double w, const Eigen::Vector2d& proxy) {
 
 }  // namespace
 
-TEST_CASE("no contact, master out, proxy out: the proxy follows the master and there is no force", "[contact]") {
+TEST_CASE("a free proxy follows a master outside the tissue without force", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(-0.5, 0.5);
     CHECK(update_contact(outline, Eigen::Vector2d(-0.2, 0.7), state) == ContactRow::free);
@@ -49,7 +49,7 @@ TEST_CASE("no contact, master out, proxy out: the proxy follows the master and t
     CHECK(state.proxy_m == Eigen::Vector2d(-0.2, 0.7));
 }
 
-TEST_CASE("no contact, both out, but the way crosses the tissue: the proxy stays where it entered, without force", "[contact]") {
+TEST_CASE("a proxy whose path crosses the tissue stops at the entry without force and is released in the next tick", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(-0.5, 0.4);
     CHECK(update_contact(outline, Eigen::Vector2d(1.5, 0.4), state) == ContactRow::free);
@@ -61,7 +61,7 @@ TEST_CASE("no contact, both out, but the way crosses the tissue: the proxy stays
     CHECK_FALSE(state.contact);
 }
 
-TEST_CASE("no contact, master out, proxy swallowed: the proxy is projected, and an outside master feels nothing", "[contact]") {
+TEST_CASE("a mesh that moves over a free proxy projects it without force while the master is outside", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(0.1, 0.5);
     CHECK(update_contact(outline, Eigen::Vector2d(-0.3, 0.5), state) == ContactRow::swallowed_left);
@@ -71,7 +71,7 @@ TEST_CASE("no contact, master out, proxy swallowed: the proxy is projected, and 
     CHECK(state.proxy_m == Eigen::Vector2d(-0.3, 0.5));
 }
 
-TEST_CASE("no contact, master in, proxy out: the proxy stops at the crossing of deepest penetration", "[contact]") {
+TEST_CASE("a master that enters the tissue leaves the proxy at the crossing of deepest penetration", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(-0.5, 0.25);
     CHECK(update_contact(outline, Eigen::Vector2d(0.3, 0.25), state) == ContactRow::touch);
@@ -82,7 +82,7 @@ TEST_CASE("no contact, master in, proxy out: the proxy stops at the crossing of 
     CHECK((state.proxy_m - outline.at(3, state.where.weight[1])).norm() == 0);
     CHECK((state.proxy_m - Eigen::Vector2d(0, 0.25)).norm() < 1e-15);
 
-    // a bay: the way enters, leaves and enters again; the first entry penetrates deepest
+    // A bay: the path enters, leaves and enters again. The first entry has the deepest penetration.
     MovingOutline bay(8);
     const double x[] = {0, 3, 3, 2, 2, 1, 1, 0}, y[] = {0, 0, 2, 2, 1, 1, 2, 2};
     for (int b = 0; b < 8; ++b) bay.set(b, {x[b], y[b]});
@@ -92,7 +92,7 @@ TEST_CASE("no contact, master in, proxy out: the proxy stops at the crossing of 
     CHECK((across.proxy_m - Eigen::Vector2d(0, 1.5)).norm() < 1e-15);
 }
 
-TEST_CASE("no contact, the mesh swallows master and proxy: contact at the nearest surface", "[contact]") {
+TEST_CASE("a mesh that moves over master and proxy makes a contact at the nearest surface point", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = proxy_at(0.2, 0.9);
     CHECK(update_contact(outline, Eigen::Vector2d(0.25, 0.8), state) == ContactRow::swallowed);
@@ -101,7 +101,7 @@ TEST_CASE("no contact, the mesh swallows master and proxy: contact at the neares
     CHECK((state.proxy_m - Eigen::Vector2d(0.2, 1.0)).norm() < 1e-15);
 }
 
-TEST_CASE("contact, master out: released, and the proxy goes to the master", "[contact]") {
+TEST_CASE("a master that leaves the tissue ends the contact and the proxy goes to it", "[contact]") {
     const MovingOutline outline = square(0, 0, 1);
     ContactState state = in_contact(3, 0.5, {0, 0.5});
     CHECK(update_contact(outline, Eigen::Vector2d(-0.01, 0.5), state) == ContactRow::release);
@@ -110,8 +110,8 @@ TEST_CASE("contact, master out: released, and the proxy goes to the master", "[c
     CHECK(state.proxy_m == Eigen::Vector2d(-0.01, 0.5));
 }
 
-TEST_CASE("contact, master out, proxy swallowed: projected without force, released in the next tick", "[contact]") {
-    const MovingOutline outline = square(-0.1, 0, 1);  // has moved left over the proxy
+TEST_CASE("a proxy inside the mesh is projected without force after the master has left and released in the next tick", "[contact]") {
+    const MovingOutline outline = square(-0.1, 0, 1);  // has moved left, over the proxy
     ContactState state = in_contact(3, 0.5, {0, 0.5});
     CHECK(update_contact(outline, Eigen::Vector2d(-0.2, 0.5), state) == ContactRow::swallowed_release);
     CHECK((state.proxy_m - Eigen::Vector2d(-0.1, 0.5)).norm() < 1e-15);
@@ -119,19 +119,19 @@ TEST_CASE("contact, master out, proxy swallowed: projected without force, releas
     CHECK(update_contact(outline, Eigen::Vector2d(-0.2, 0.5), state) == ContactRow::release);
 }
 
-TEST_CASE("contact, master in: the proxy keeps its place on the surface, wherever the master slides", "[contact]") {
+TEST_CASE("in contact the proxy keeps its facet and weights while the master moves inside the tissue", "[contact]") {
     MovingOutline outline = square(0, 0, 1);
     ContactState state = in_contact(3, 0.25, {0, 0.75});
     CHECK(update_contact(outline, Eigen::Vector2d(0.2, 0.1), state) == ContactRow::hold);
     CHECK(state.proxy_m == Eigen::Vector2d(0, 0.75));
-    outline = square(0.05, 0.1, 1);  // yields to the right: the old proxy is outside
+    outline = square(0.05, 0.1, 1);  // has moved right and up; the old proxy is outside
     CHECK(update_contact(outline, Eigen::Vector2d(0.2, 0.15), state) == ContactRow::hold);
     CHECK((state.proxy_m - Eigen::Vector2d(0.05, 0.85)).norm() < 1e-15);
     CHECK(state.where.facet == 3);
     CHECK(state.where.weight[1] == 0.25);
 }
 
-TEST_CASE("contact, master in, proxy swallowed: the same place on the surface is kept", "[contact]") {
+TEST_CASE("a mesh that moves over the proxy during contact keeps the same place on the surface", "[contact]") {
     const MovingOutline outline = square(-0.1, 0, 1);
     ContactState state = in_contact(3, 0.5, {0, 0.5});
     CHECK(update_contact(outline, Eigen::Vector2d(0.2, 0.5), state) == ContactRow::hold_swallowed);
@@ -140,7 +140,7 @@ TEST_CASE("contact, master in, proxy swallowed: the same place on the surface is
     CHECK(state.pressing);
 }
 
-TEST_CASE("the eight rows of the table are eight", "[contact]") {
+TEST_CASE("the three contact conditions give eight distinct cases", "[contact]") {
     int seen = 0;
     for (bool contact : {false, true})
         for (bool master : {false, true})
@@ -148,17 +148,17 @@ TEST_CASE("the eight rows of the table are eight", "[contact]") {
     CHECK(seen == 0xFF);
 }
 
-TEST_CASE("an outline is simple until it touches itself", "[outline]") {
+TEST_CASE("an outline is not simple when it crosses itself or is inverted", "[outline]") {
     MovingOutline outline = square(0, 0, 1, 5);
     CHECK(outline.simple());
     const Eigen::Vector2d kept = outline.node(2);
-    outline.set(2, {0.4, 1.2});  // a spike out through the top
+    outline.set(2, {0.4, 1.2});  // a spike through the top
     outline.refresh();
     CHECK_FALSE(outline.simple());
     outline.set(2, {0.4, 0.95});
     outline.refresh();
     CHECK(outline.simple());
-    outline.set(2, kept + Eigen::Vector2d(-0.3, 0));  // folded back along its own side
+    outline.set(2, kept + Eigen::Vector2d(-0.3, 0));  // folded back onto its own side
     outline.refresh();
     CHECK_FALSE(outline.simple());
     MovingOutline inside_out(4);
@@ -167,7 +167,7 @@ TEST_CASE("an outline is simple until it touches itself", "[outline]") {
     CHECK_FALSE(inside_out.simple());
 }
 
-TEST_CASE("inside, nearest and crossing agree with a square's geometry at random points", "[outline]") {
+TEST_CASE("containment and nearest distance of a square outline match its geometry at random points", "[outline]") {
     const MovingOutline outline = square(0, 0, 1, 7);
     Draw draw(1);
     for (int k = 0; k < 20000; ++k) {
@@ -180,7 +180,7 @@ TEST_CASE("inside, nearest and crossing agree with a square's geometry at random
     }
 }
 
-TEST_CASE("a proxy is never inside a simple outline that shakes, whatever the master does", "[contact][adversarial]") {
+TEST_CASE("the proxy is never inside a randomly deformed simple outline for any motion of the master", "[contact][adversarial]") {
     Draw draw(2008);
     const int per_side = 5, M = 4 * per_side;
     const MovingOutline rest = square(0, 0, 1, per_side);
@@ -191,7 +191,7 @@ TEST_CASE("a proxy is never inside a simple outline that shakes, whatever the ma
     const long long ticks = adversarial_ticks(400000);
     long long inside = 0, bad_weight = 0, folded = 0, off_surface = 0, row[8] = {};
     for (long long k = 0; k < ticks; ++k) {
-        // nodes jump by up to a third of a segment, and come back
+        // Nodes are displaced randomly, by up to 0.3 of a segment per tick and axis; the displacement decays.
         for (int b = 0; b < M; ++b) {
             Eigen::Vector2d& s = shift[static_cast<std::size_t>(b)];
             s = 0.9 * s + Eigen::Vector2d(draw(-0.06, 0.06), draw(-0.06, 0.06));
@@ -203,7 +203,7 @@ TEST_CASE("a proxy is never inside a simple outline that shakes, whatever the ma
             state = {};
             continue;
         }
-        // fast, slow, tunnelling, at corners and on nodes exactly
+        // Random positions, near a corner, exactly on a node, on the middle of a segment, and random steps.
         switch (draw.below(8)) {
             case 0: master = {draw(-1, 2), draw(-1, 2)}; break;
             case 1: master = {draw(-0.05, 0.05), draw(-0.05, 0.05)}; break;
@@ -211,7 +211,7 @@ TEST_CASE("a proxy is never inside a simple outline that shakes, whatever the ma
             case 3: master = outline.at(draw.below(M), 0.5); break;
             default: master += Eigen::Vector2d(draw(-0.1, 0.1), draw(-0.1, 0.1)); break;
         }
-        // a proxy needs to have been outside once, as in the simulation
+        // The proxy must have been outside once, as in a session.
         if (!state.has_proxy && outline.contains(master)) continue;
         ++row[static_cast<int>(update_contact(outline, master, state))];
         inside += outline.contains_strictly(state.proxy_m, 1e-9);
@@ -224,5 +224,5 @@ TEST_CASE("a proxy is never inside a simple outline that shakes, whatever the ma
     CHECK(bad_weight == 0);
     CHECK(off_surface == 0);
     CHECK(folded < ticks / 2);
-    for (long long count : row) CHECK(count > ticks / 100000);  // every row was met
+    for (long long count : row) CHECK(count > ticks / 100000);  // every case occurred
 }

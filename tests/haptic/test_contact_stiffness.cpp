@@ -9,7 +9,7 @@
 
 using namespace tissue;
 
-TEST_CASE("each place of the outline is as stiff as the mesh behind it, mean of the axes, with the set that serves it") {
+TEST_CASE("the contact stiffness of an outline is the inverse axis-mean compliance for the set selected at first touch") {
     for (const char* law : {"isotropic", "axial", "geometric"})
         for (const int cells : {3, 6}) {
             const TissueModel model = haptic_example({*law == 'i' ? "grid4" : "grid8", law, cells});
@@ -19,7 +19,7 @@ TEST_CASE("each place of the outline is as stiff as the mesh behind it, mean of 
             std::vector<int> first_set(M);
             for (std::size_t b = 0; b < M; ++b) first_set[b] = b % 3 == 0 ? 1 : 0;
             Eigen::MatrixXd theta_of_set(mesh.slot_count(), 2);
-            std::vector<Eigen::MatrixXd> compliance;  // of every axis of every node, 0 of those that are held
+            std::vector<Eigen::MatrixXd> compliance;  // of every axis of every node; 0 at fixed nodes
             for (int set : {0, 1}) {
                 const Eigen::VectorXd theta = model.trained[0].theta.row(set).transpose();
                 theta_of_set.col(set) = mesh.to_slots(theta);

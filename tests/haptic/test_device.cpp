@@ -61,7 +61,7 @@ class Client {
     void send(const void* data, std::size_t size) {
         REQUIRE(::sendto(socket_, data, size, 0, reinterpret_cast<const sockaddr*>(&to_), sizeof to_) == static_cast<ssize_t>(size));
     }
-    /// In the other byte order.
+    /// Sends in the other byte order.
     void send_swapped(std::uint32_t sequence, double time_s, double x, double y) {
         PositionDatagram p{{'T', 'S', 'P', '1'}, sequence, time_s, {x, y, 0}, 0};
         const auto swap = [](auto& value) { std::reverse(reinterpret_cast<char*>(&value), reinterpret_cast<char*>(&value + 1)); };
@@ -85,7 +85,7 @@ class Client {
     sockaddr_in to_{};
 };
 
-/// A stand-in for the vendor's library, built here.
+/// A stand-in for the vendor's library, compiled here.
 class StandIn {
    public:
     StandIn() {
@@ -120,7 +120,7 @@ class StandIn {
 
 }  // namespace
 
-TEST_CASE("the virtual hand starts outside, stays below the speed limit, and does the same each time", "[device]") {
+TEST_CASE("scripted motions start outside the tissue and stay below 1 m/s and are reproducible", "[device]") {
     const SpringMesh block = make_lattice("grid8", 10, 10, 0.1, 0.1);
     for (const std::string& name : motion_names())
         for (unsigned long seed : {1ul, 2ul}) {
@@ -151,14 +151,14 @@ TEST_CASE("the virtual hand starts outside, stays below the speed limit, and doe
     o.name = "stab";
     CHECK(refusal<MismatchError>([&] { make_motion(o); }).find("press, slide, poke, probe, sine") != std::string::npos);
     o = {};
-    CHECK(refusal<MismatchError>([&] { make_motion(o); }) == "a motion needs a tissue");
+    CHECK(refusal<MismatchError>([&] { make_motion(o); }) == "a motion needs the tissue's surface");
     o.rest = &block;
     o.depth_m = 0;
     refusal<MismatchError>([&] { make_motion(o); });
     refusal<MismatchError>([&] { VirtualDevice({}, {}); });
 }
 
-TEST_CASE("a replayed table moves in straight lines between its rows, ends with them, and judges our force", "[device]") {
+TEST_CASE("a replayed table interpolates linearly between its rows and ends with them and reports the force error", "[device]") {
     const TemporaryFolder folder;
     ReplayDevice replay(folder.file("a.csv", "time_s,x_m,y_m,z_m,fx_N,fy_N\n1,0,0,0,1,0\n1.5,0.1,0,0,3,0\n2,0.1,0.2,-0.4,3,4\n"));
     CHECK((replay.read(0).position_m - Eigen::Vector3d(0, 0, 0)).norm() < 1e-15);
@@ -176,9 +176,9 @@ TEST_CASE("a replayed table moves in straight lines between its rows, ends with 
     CHECK(refused("t,x\n0,1\n").find("time_s,x_m,y_m") != std::string::npos);
     CHECK(refused("time_s,x_m,y_m\n0,1,2\n0.1,1,nan\n").find("b.csv:3: ") != std::string::npos);
     CHECK(refused("time_s,x_m,y_m,z_mm\n0,1,2,3\n").find("b.csv:1: column 'z_mm' is not known") != std::string::npos);
-    CHECK(refused("time_s,x_m,y_m,x_m\n0,1,2,3\n").find("'x_m' is there twice") != std::string::npos);
-    CHECK(refused("time_s,x_m,y_m,fx_N\n0,1,2,3\n").find("forces are fx_N and fy_N") != std::string::npos);
-    // as a spreadsheet writes it
+    CHECK(refused("time_s,x_m,y_m,x_m\n0,1,2,3\n").find("'x_m' is present twice") != std::string::npos);
+    CHECK(refused("time_s,x_m,y_m,fx_N\n0,1,2,3\n").find("forces need the columns fx_N and fy_N") != std::string::npos);
+    // as spreadsheets write it: byte order mark, quotes, semicolons, CRLF, comment and empty lines
     ReplayDevice sheet(folder.file("sheet.csv", "\xef\xbb\xbf\"time_s\"; x_m ;y_m\r\n# by hand\r\n0;+0.5; 0.25 \r\n\r\n1;0.5;0.5\r\n"));
     CHECK((sheet.read(0).position_m - Eigen::Vector3d(0.5, 0.25, 0)).norm() < 1e-15);
     CHECK(ReplayDevice(folder.file("flat.csv", "time_s,x_m,y_m,z_m,fx_N,fy_N\n0,1,2,3,4,5\n")).has_fz() == false);
@@ -189,10 +189,10 @@ TEST_CASE("a replayed table moves in straight lines between its rows, ends with 
     refusal<FileError>([&] { ReplayDevice(folder.file("missing.csv")); });
 }
 
-TEST_CASE("the remote device takes the newest position and counts what is late, lost and foreign", "[device]") {
+TEST_CASE("the remote device uses the newest position and counts late and lost and foreign datagrams", "[device]") {
     RemoteDevice device(0);
     device.start();
-    CHECK_FALSE(device.read(0).valid);  // nobody has spoken
+    CHECK_FALSE(device.read(0).valid);  // no datagram has come
     Client client(device.port());
     client.send(10, 7.000, 0.1, 0.1);
     client.send(11, 7.001, 0.1, 0.2);
@@ -205,7 +205,7 @@ TEST_CASE("the remote device takes the newest position and counts what is late, 
     CHECK(std::memcmp(f.magic, "TSF1", 4) == 0);
     CHECK(f.sequence == 11);
     CHECK((f.force_N[0] == 1 && f.force_N[1] == -2 && f.force_N[2] == 3));
-    client.send(14, 7.002, 0.3, 0);    // 12, 13 lost
+    client.send(14, 7.002, 0.3, 0);    // 12 and 13 are lost
     client.send(13, 7.002, 0.9, 0.9);  // late
     client.send("hello", 5);
     const PositionDatagram wrong{{'X', 'S', 'P', '1'}, 15, 7.003, {0, 0, 0}, 0};
@@ -213,7 +213,7 @@ TEST_CASE("the remote device takes the newest position and counts what is late, 
     CHECK(wait_for([&] { return device.read(0.002).position_m.x() == 0.3 && statistics(device, "foreign") == 2; }));
     CHECK(device.read(0.102).age_s == Approx(0.1));
     CHECK(statistics(device, "received") == 3);
-    CHECK(statistics(device, "skipped") == 1);  // the first of the two by which it leads
+    CHECK(statistics(device, "skipped") == 1);  // the first of the two datagrams that made it the peer
     CHECK(statistics(device, "lost") == 2);
     CHECK(statistics(device, "late") == 1);
     CHECK(statistics(device, "foreign") == 2);
@@ -224,12 +224,12 @@ TEST_CASE("the remote device takes the newest position and counts what is late, 
     CHECK(device.read(0.15).measured_N == Eigen::Vector3d(0.1, -1.5, 0.2));
     client.send(&felt, sizeof felt - 8);  // of neither size
     const SensorDatagram first{{{'T', 'S', 'P', '1'}, 16, 7.16, {0.5, 0, 0}, 0}, {1, 1, 1}};
-    client.send(&first, sizeof first);  // of the one's magic and the other's size
+    client.send(&first, sizeof first);  // the magic of one format and the size of the other
     CHECK(wait_for([&] { return device.read(0.16).position_m.x() == 0.4 && statistics(device, "foreign") == 4; }));
     CHECK(refusal<DeviceError>([&] { RemoteDevice taken(device.port()); }).find(std::to_string(device.port())) != std::string::npos);
 }
 
-TEST_CASE("the remote device: who leads is heard alone, and another begins after half a second of silence, as does a client that begins anew", "[device]") {
+TEST_CASE("another sender or a restarted client becomes the peer only after half a second of silence", "[device]") {
     RemoteDevice device(0);
     device.start();
     Client client(device.port()), second(device.port());
@@ -237,24 +237,25 @@ TEST_CASE("the remote device: who leads is heard alone, and another begins after
     client.send(2, 0.001, 0.1, 0);
     second.send(1, 0, 0.9, 0);
     CHECK(wait_for([&] { return device.read(0.001).position_m.x() == 0.1; }));
-    CHECK(wait_for([&] { device.read(0.001); return statistics(device, "others") == 1; }));  // it had come before the first one led
+    // it came before the first client was the peer
+    CHECK(wait_for([&] { device.read(0.001); return statistics(device, "others") == 1; }));
     second.send(2, 0.001, 0.9, 0);
     second.send(3, 0.002, 0.9, 0);
     client.send(3, 0.100, 0.4, 0);
     CHECK(wait_for([&] { return device.read(0.1).position_m.x() == 0.4; }));
-    CHECK(statistics(device, "others") == 1);  // the system has refused these
+    CHECK(statistics(device, "others") == 1);  // the system drops these
     device.write({4, 0, 0});
     CHECK(client.receive().force_N[0] == 4);
     CHECK(second.answers() == 0);
     CHECK(device.read(0.59).position_m.x() == 0.4);
     second.send(4, 0.59, 0.7, 0);
-    CHECK(device.read(0.61).position_m.x() == 0.4);  // now the first one has lost the lead
+    CHECK(device.read(0.61).position_m.x() == 0.4);  // from now on the first client is not the peer
     device.write({4, 0, 0});
     CHECK(client.answers() == 0);
     second.send(5, 0.62, 0.8, 0);
     second.send(6, 0.63, 0.8, 0);
     CHECK(wait_for([&] { return device.read(0.63).position_m.x() == 0.8; }));
-    second.send(1, 0.64, 0.9, 0);  // begun anew while it leads
+    second.send(1, 0.64, 0.9, 0);  // restarted while it is the peer
     CHECK(wait_for([&] { device.read(0.64); return statistics(device, "late") == 1; }));
     CHECK(device.read(1.14).position_m.x() == 0.8);
     second.send(2, 1.15, 0.9, 0);  // and after half a second of silence
@@ -264,7 +265,7 @@ TEST_CASE("the remote device: who leads is heard alone, and another begins after
     CHECK(statistics(device, "leaps") == 0);
 }
 
-TEST_CASE("a flood of datagrams does not hold up a tick, nor keep a client's position out", "[device]") {
+TEST_CASE("a flood of datagrams neither delays a tick nor hides the positions of a client", "[device]") {
     RemoteDevice device(0);
     device.start();
     Client client(device.port()), flood(device.port());
@@ -276,13 +277,13 @@ TEST_CASE("a flood of datagrams does not hold up a tick, nor keep a client's pos
     const auto began = std::chrono::steady_clock::now();
     device.read(0);
     CHECK(std::chrono::steady_clock::now() - began < std::chrono::milliseconds(100));
-    CHECK(statistics(device, "foreign") <= 512);  // a read takes no more
+    CHECK(statistics(device, "foreign") <= 512);  // limit of one read
     for (int k = 0; k < 10; ++k) device.read(0);
     client.send(1, 0, 0, 0);
     client.send(2, 0.001, 0, 0);
     CHECK(wait_for([&] { return device.read(0.001).valid; }));
     const double before = statistics(device, "foreign");
-    for (std::uint32_t k = 3; k < 13; ++k) {  // each in the middle of a flood that is longer than the system keeps
+    for (std::uint32_t k = 3; k < 13; ++k) {  // each in the middle of a flood longer than the system's buffer
         pour();
         client.send(k, 0.001 * k, 0.001 * k, 0);
         wait_ms(20);
@@ -291,14 +292,14 @@ TEST_CASE("a flood of datagrams does not hold up a tick, nor keep a client's pos
     CHECK(statistics(device, "received") == 12);
     CHECK(statistics(device, "lost") == 0);
     CHECK(statistics(device, "foreign") == before);
-    for (std::uint32_t k = 13; k < 113; ++k) client.send(k, 0.013, 0.013, 0);  // and one of its own
+    for (std::uint32_t k = 13; k < 113; ++k) client.send(k, 0.013, 0.013, 0);  // and a flood by the client itself
     CHECK(wait_for([&] { device.read(0.013); return statistics(device, "received") == 112; }));
     CHECK(statistics(device, "skipped") >= 1);
     CHECK(statistics(device, "skipped") < 112);
 }
 
-TEST_CASE("a position that waited while the program stood still is as old as it is", "[device]") {
-    for (const double clock_s : {0.0, -3.5, 1.7e9}) {  // where the client's clock begins
+TEST_CASE("a position that waited in the socket during a stall has its true age", "[device]") {
+    for (const double clock_s : {0.0, -3.5, 1.7e9}) {  // start of the client's clock
         RemoteDevice device(0);
         device.start();
         Client client(device.port());
@@ -311,7 +312,7 @@ TEST_CASE("a position that waited while the program stood still is as old as it 
             CHECK(wait_for([&] { return (s = device.read(1e-3 * ms)).position_m.x() == 1e-3 * ms; }));
             CHECK(s.age_s < 1e-3);
         }
-        for (int ms = 20; ms <= 420; ++ms) send(ms);  // more than the system keeps, which is the oldest
+        for (int ms = 20; ms <= 420; ++ms) send(ms);  // more than the system's buffer, which keeps the oldest
         wait_ms(20);
         s = device.read(0.42);
         CHECK(s.position_m.x() > 0.1);
@@ -319,7 +320,7 @@ TEST_CASE("a position that waited while the program stood still is as old as it 
         send(421);
         CHECK(wait_for([&] { return (s = device.read(0.421)).position_m.x() == 0.421; }));
         CHECK(s.age_s < 1e-3);
-        // a second of pause, in which the client goes on: not its silence
+        // A pause of one second, in which the client goes on sending, is no silence of the client.
         for (int ms = 422; ms <= 1421; ++ms) send(ms);
         wait_ms(20);
         s = device.read(1.421);
@@ -332,14 +333,14 @@ TEST_CASE("a position that waited while the program stood still is as old as it 
     }
 }
 
-TEST_CASE("clocks that drift apart by a ten-thousandth make no position old", "[device]") {
+TEST_CASE("positions stay younger than 1 ms when the clocks drift apart by 1e-4", "[device]") {
     for (const double rate : {1 - 1e-4, 1 + 1e-4}) {
         RemoteDevice device(0);
         device.start();
         Client client(device.port());
         DeviceSample s;
         client.send(1, 0, 0, 0);
-        for (std::uint32_t k = 1; k <= 2000; ++k) {  // 800 s, in which they part by 80 ms
+        for (std::uint32_t k = 1; k <= 2000; ++k) {  // 800 s, in which the clocks drift apart by 80 ms
             const double now_s = 0.4 * k;
             client.send(k + 1, rate * now_s, now_s, 0);
             REQUIRE(wait_for([&] { return (s = device.read(now_s)).position_m.x() == now_s; }));
@@ -348,11 +349,11 @@ TEST_CASE("clocks that drift apart by a ten-thousandth make no position old", "[
     }
 }
 
-TEST_CASE("a client of another byte order, one that leaps and one that counts milliseconds never lead", "[device]") {
+TEST_CASE("clients with wrong byte order or sequence or clock never become the peer", "[device]") {
     RemoteDevice device(0);
     device.start();
     Client swapped(device.port()), leaping(device.port()), milliseconds(device.port()), timeless(device.port()), right(device.port());
-    for (std::uint32_t k = 1; k <= 700; ++k) {  // over the carry of a byte
+    for (std::uint32_t k = 1; k <= 700; ++k) {  // beyond the carry of a byte
         const double now_s = 1e-3 * k;
         swapped.send_swapped(k, now_s, 0.05, 0.1);
         leaping.send(70000 * k, now_s, 0.05, 0.1);
@@ -362,7 +363,7 @@ TEST_CASE("a client of another byte order, one that leaps and one that counts mi
     }
     CHECK(statistics(device, "received") == 0);
     CHECK(statistics(device, "leaps") > 700);
-    for (std::uint32_t k = 1; k <= 20; ++k) {  // among all of them one that is right is found
+    for (std::uint32_t k = 1; k <= 20; ++k) {  // a correct client among all of them becomes the peer
         const double now_s = 0.7 + 1e-3 * k;
         swapped.send_swapped(700 + k, now_s, 0.05, 0.1);
         right.send(k, now_s, 0.2, 0.1);
@@ -372,7 +373,7 @@ TEST_CASE("a client of another byte order, one that leaps and one that counts mi
     CHECK(wait_for([&] { return device.read(0.72).position_m.x() == 0.2; }));
 }
 
-TEST_CASE("a time that stands still never leads, nor do milliseconds that two datagrams share; a coarse clock does", "[device]") {
+TEST_CASE("a client whose time is constant or in milliseconds never becomes the peer and one with steps of 16 ms does", "[device]") {
     const auto play = [](auto time_of, bool leads) {
         RemoteDevice device(0);
         device.start();
@@ -389,14 +390,14 @@ TEST_CASE("a time that stands still never leads, nor do milliseconds that two da
         if (leads) CHECK(s.age_s < 0.02);
     };
     play([](std::uint32_t) { return 0.0; }, false);
-    play([](std::uint32_t k) { return k / 2; }, false);  // ms
+    play([](std::uint32_t k) { return k / 2; }, false);  // milliseconds, each shared by two datagrams
     play([](std::uint32_t k) { return 0.016 * (k / 32); }, true);
 }
 
-TEST_CASE("a position of a second session is as old as one of the first", "[device]") {
+TEST_CASE("positions have an age below 2 ms in a second session as in the first", "[device]") {
     RemoteDevice device(0);
     Client client(device.port());
-    for (const double now_s : {200.0, 0.002}) {  // each session's schedule begins at 0
+    for (const double now_s : {200.0, 0.002}) {  // the schedule of each session begins at 0
         device.start();
         client.send(1, 5, 0.1, 0);
         client.send(2, 5.001, 0.1, 0);
@@ -407,7 +408,7 @@ TEST_CASE("a position of a second session is as old as one of the first", "[devi
     }
 }
 
-TEST_CASE("the remote device sends no force before start() nor after stop()", "[device]") {
+TEST_CASE("the remote device sends no force between stop() and the next start()", "[device]") {
     RemoteDevice device(0);
     Client client(device.port());
     for (int session = 0; session < 2; ++session) {
@@ -430,13 +431,13 @@ TEST_CASE("the remote device sends no force before start() nor after stop()", "[
     CHECK(statistics(device, "sent") == 2);
 }
 
-TEST_CASE("openhaptics: without the vendor's library the message says so", "[device]") {
+TEST_CASE("openhaptics reports a missing vendor library and a missing function", "[device]") {
     const std::string text = refusal<DeviceError>([] { OpenHapticsDevice device("libHD_that_is_not_there.so"); });
-    CHECK(text.find("libHD_that_is_not_there.so is not on this machine") != std::string::npos);
+    CHECK(text.find("cannot load libHD_that_is_not_there.so") != std::string::npos);
     CHECK(refusal<DeviceError>([] { OpenHapticsDevice device("libm.so.6"); }).find("hdInitDevice") != std::string::npos);
 }
 
-TEST_CASE("openhaptics: position in millimetres comes in, force goes out, zero when we stop", "[device]") {
+TEST_CASE("openhaptics reads millimetres and sets the force to zero when ticks cease and when the device stops", "[device]") {
     const StandIn vendor;
     double force[3];
     {
@@ -456,18 +457,19 @@ TEST_CASE("openhaptics: position in millimetres comes in, force goes out, zero w
             wait_ms(3);
             youngest_s = std::min(youngest_s, device.read(0.03 + 1e-3 * k).age_s);
         }
-        CHECK(youngest_s >= touch_impedance.delay_s);  // its force goes out with the next callback
+        CHECK(youngest_s >= touch_impedance.delay_s);  // the force goes out with the next callback
         CHECK(wait_for([&] {
             device.write({0.5, 0.25, -1});
             vendor.get_force(force);
             return force[0] == 0.5 && force[1] == 0.25 && force[2] == -1;
         }));
-        CHECK(wait_for([&] {  // the tick has fallen silent: the servo cuts the force by itself
+        CHECK(wait_for([&] {  // without ticks the servo sets the force to zero
             vendor.get_force(force);
             return force[0] == 0 && force[1] == 0 && force[2] == 0;
         }));
         CHECK(statistics(device, "cut_off_ticks") > 0);
-        // a force is there for half of force_held_s, and gone before all of it is over; a busy machine shows it now and then
+        // A force lasts for more than half of force_held_s and less than all of it. A busy machine needs several
+        // attempts to show it.
         bool let_go_in_time = false;
         for (int k = 0; k < 500 && !let_go_in_time; ++k) {
             const auto from = std::chrono::steady_clock::now();
@@ -485,7 +487,7 @@ TEST_CASE("openhaptics: position in millimetres comes in, force goes out, zero w
         CHECK(wait_for([&] { return !device.read(0.1).valid; }));
         vendor.set_error(0);
 
-        // a dead servo is stale input
+        // a stopped servo gives stale input
         CHECK(wait_for([&] { return device.read(0.2).valid; }));
         device.write({1, 0, 0});
         device.write(Eigen::Vector3d::Zero());
@@ -500,7 +502,7 @@ TEST_CASE("openhaptics: position in millimetres comes in, force goes out, zero w
     CHECK(refusal<DeviceError>([&] { OpenHapticsDevice device(vendor.library); }).find("0x0200") != std::string::npos);
 }
 
-TEST_CASE("openhaptics: a servo that reports an error at its start is stopped before the device is gone", "[device]") {
+TEST_CASE("openhaptics stops a servo that fails at its start and can start it again", "[device]") {
     const StandIn vendor;
     {
         OpenHapticsDevice device(vendor.library);
@@ -515,13 +517,13 @@ TEST_CASE("openhaptics: a servo that reports an error at its start is stopped be
         refusal<DeviceError>([&] { RunningDevice running(device); });
         CHECK(vendor.running() == 0);
         vendor.set_error(0);
-        const RunningDevice again(device);  // and may be started again
+        const RunningDevice again(device);  // the device can be started again
         CHECK(vendor.running() == 1);
     }
     CHECK(vendor.running() == 0);
 }
 
-TEST_CASE("openhaptics: a whole session presses through the stand-in", "[device]") {
+TEST_CASE("a whole session on the openhaptics stand-in renders a force and ends with zero force", "[device]") {
     const StandIn vendor;
     vendor.set_position(50, 105, 0);
     HapticOptions o;
@@ -532,7 +534,8 @@ TEST_CASE("openhaptics: a whole session presses through the stand-in", "[device]
     double force[3], largest = 0;
     std::atomic<bool> through{false};
     std::thread hand([&] {
-        for (int k = 0; k < 300 || (largest <= 0.05 && k < 20000); ++k) {  // at its end it holds still; a slow machine feels that later
+        // then the hand is still; on a slow machine the force comes later
+        for (int k = 0; k < 300 || (largest <= 0.05 && k < 20000); ++k) {
             vendor.set_position(50, 105 - 0.05 * std::min(k, 299), 0);
             double now[3];
             vendor.get_force(now);

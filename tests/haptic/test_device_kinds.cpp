@@ -8,7 +8,7 @@
 
 using namespace tissue;
 
-TEST_CASE("every kind of device has a name and options of its own, and its initial values are right", "[device]") {
+TEST_CASE("every kind of device has a unique name and unique options with valid initial values", "[device]") {
     std::set<std::string> names, options;
     for (const DeviceKind* kind : device_kinds().kinds()) {
         CHECK(names.insert(kind->name).second);
@@ -24,7 +24,7 @@ TEST_CASE("every kind of device has a name and options of its own, and its initi
     CHECK(device_kinds().names() == std::vector<std::string>{"virtual", "replay", "remote", "openhaptics"});
 }
 
-TEST_CASE("a device is made by its name, from its initial values where none are given", "[device]") {
+TEST_CASE("a device is made from its name with initial values for options that are not given", "[device]") {
     const SpringMesh block = make_lattice("grid8", 10, 10, 0.1, 0.1);
     DeviceContext context;
     context.rest = &block;

@@ -36,7 +36,7 @@ double total(const RealtimeMesh& mesh, const MeshState& s) {
     return kinetic(mesh, s) + mesh.potential_energy(s.theta, s.displacement);
 }
 
-/// A lattice of 3 x 3 cells, its law and a set that is not symmetric.
+/// A lattice of cells x cells, its spring law and a set that is not symmetric.
 struct Small {
     explicit Small(const std::string& law, const std::string& topology = "grid8", int cells = 3)
         : model(haptic_example({topology, law, cells})), mesh(model.mesh, law, model.node_mass_kg),
@@ -46,7 +46,7 @@ struct Small {
     Eigen::VectorXd theta, slots;
 };
 
-/// Runs from one start for `seconds` and returns u.
+/// Runs for `seconds` from the same initial state and returns u.
 NodeColumns run(const std::string& kind, const Small& s, double dt, double seconds, double damping = 0) {
     const auto dynamics = make_dynamics(kind, s.mesh, {dt, damping});
     MeshState state(s.mesh, s.slots);
@@ -58,11 +58,11 @@ NodeColumns run(const std::string& kind, const Small& s, double dt, double secon
 
 }  // namespace
 
-TEST_CASE("the realtime force is the spring law's, for every law and for meshes that are no lattice", "[dynamics]") {
+TEST_CASE("the force of the realtime mesh equals that of the spring law for ordered and shuffled nodes", "[dynamics]") {
     for (const std::string& law : spring_laws().names())
         for (int shuffled : {0, 1}) {
             TissueModel model = haptic_example({"grid8", law, 6});
-            if (shuffled) {  // node numbers without order: every spring is loose
+            if (shuffled) {  // shuffled node numbers: every spring is loose
                 const int N = model.mesh.node_count();
                 std::vector<int> to(static_cast<std::size_t>(N));
                 for (int n = 0; n < N; ++n) to[static_cast<std::size_t>(n)] = (n * 19) % N;
@@ -86,7 +86,7 @@ TEST_CASE("the realtime force is the spring law's, for every law and for meshes 
         }
 }
 
-TEST_CASE("spring force is the derivative of spring energy, and stiffness that of force", "[dynamics]") {
+TEST_CASE("spring force is the derivative of spring energy and spring stiffness is the derivative of spring force", "[dynamics]") {
     for (const std::string& law : spring_laws().names()) {
         const Small s(law);
         const NodeColumns u = scattered_columns(s.mesh, 5e-3), du = scattered_columns(s.mesh, 1.0).reverse();
@@ -108,7 +108,7 @@ TEST_CASE("spring force is the derivative of spring energy, and stiffness that o
     }
 }
 
-TEST_CASE("banded Cholesky solves what a dense solver solves, and refuses what is not positive definite", "[dynamics]") {
+TEST_CASE("banded Cholesky agrees with a dense solver and refuses an indefinite matrix", "[dynamics]") {
     for (const std::string law : {"isotropic", "axial"}) {
         const Small s(law, "grid8", 5);
         const FreeNumbering numbering(s.mesh);
@@ -131,7 +131,7 @@ TEST_CASE("banded Cholesky solves what a dense solver solves, and refuses what i
     CHECK_FALSE(indefinite.factor());
 }
 
-TEST_CASE("both ends of the spectrum are a dense eigenvalue solver's", "[dynamics]") {
+TEST_CASE("the extreme eigenvalues of a spring mesh match those of a dense eigenvalue solver", "[dynamics]") {
     for (const std::string law : {"isotropic", "axial"}) {
         const Small s(law, "grid8", 4);
         const SparseMatrix K = make_spring_law(law)->stiffness(s.model.mesh, s.theta, NodeField::Zero(s.mesh.node_count(), 2));
@@ -154,7 +154,7 @@ TEST_CASE("both ends of the spectrum are a dense eigenvalue solver's", "[dynamic
     CHECK(smallest_eigenvalue(floppy.mesh, floppy.slots) == 0);
 }
 
-TEST_CASE("halving dt halves the error of both steps that ship", "[dynamics]") {
+TEST_CASE("symplectic and implicit steps are of first order in dt", "[dynamics]") {
     for (const std::string& law : spring_laws().names())
         for (const std::string kind : {"symplectic", "implicit"}) {
             const Small s(law);
@@ -166,7 +166,7 @@ TEST_CASE("halving dt halves the error of both steps that ship", "[dynamics]") {
         }
 }
 
-TEST_CASE("energy: symplectic keeps it within a band, implicit only loses it, the paper's step gains without bound", "[dynamics]") {
+TEST_CASE("symplectic steps keep energy within a band and implicit steps reduce it and the paper's step diverges", "[dynamics]") {
     const Small s("isotropic", "grid4", 10);
     const auto energies = [&](const std::string& kind, int steps) {
         const auto dynamics = make_dynamics(kind, s.mesh, {1e-3, 0});
@@ -189,17 +189,17 @@ TEST_CASE("energy: symplectic keeps it within a band, implicit only loses it, th
     CHECK(paper[400] > 1e6 * paper[100]);
 }
 
-TEST_CASE("which step runs follows from the spectrum", "[dynamics]") {
+TEST_CASE("the time integration and its number of steps follow from the largest eigenvalue", "[dynamics]") {
     CHECK(stable_dynamics(1.79e3 * 1.79e3, 1e-3) == "symplectic");
     CHECK(stable_dynamics(1.81e3 * 1.81e3, 1e-3) == "implicit");
-    CHECK(law_substeps(0, 1e-3) == 1);
-    CHECK(law_substeps(1.99e3 * 1.99e3, 1e-3) == 3);
-    CHECK(law_substeps(2.01e3 * 2.01e3, 1e-3) == 4);
-    CHECK(law_contact_damping_s(1e6, 1e-3, 2) == contact_damping_s(1e-3, 2));
-    CHECK(law_contact_damping_s(36e6, 1e-3, 9) == Approx(1.75e-3 / 9));  // (omega h)^2 = 4 / 9
+    CHECK(energy_model_substeps(0, 1e-3) == 1);
+    CHECK(energy_model_substeps(1.99e3 * 1.99e3, 1e-3) == 3);
+    CHECK(energy_model_substeps(2.01e3 * 2.01e3, 1e-3) == 4);
+    CHECK(energy_model_contact_damping_s(1e6, 1e-3, 2) == contact_damping_s(1e-3, 2));
+    CHECK(energy_model_contact_damping_s(36e6, 1e-3, 9) == Approx(1.75e-3 / 9));  // (omega h)^2 = 4 / 9
     for (const double much : {1e9 * 1e9, std::numeric_limits<double>::infinity(), std::nan("")})
-        CHECK_THAT(refusal<MismatchError>([&] { law_substeps(much, 1e-3); }), Contains("at most 1000"));
-    // and the limit is where it is said to be: a mesh just above omega dt = 2 blows up, just below it does not
+        CHECK_THAT(refusal<MismatchError>([&] { energy_model_substeps(much, 1e-3); }), Contains("at most 1000"));
+    // The limit is omega dt = 2: a mesh just above it diverges, one just below it does not.
     Small s("isotropic", "grid4", 10);
     const double omega = std::sqrt(largest_eigenvalue(s.mesh, s.slots));
     for (double product : {1.98, 2.03}) {
@@ -208,7 +208,7 @@ TEST_CASE("which step runs follows from the spectrum", "[dynamics]") {
     }
 }
 
-TEST_CASE("the implicit step is stable at 1 ms for springs a thousand times too stiff, and comes to rest", "[dynamics]") {
+TEST_CASE("the implicit step of 1 ms is stable for springs 1000 times stiffer and comes to rest", "[dynamics]") {
     for (const std::string& law : spring_laws().names()) {
         Small s(law, "grid8", 10);
         s.slots *= 1000;
@@ -228,7 +228,7 @@ TEST_CASE("the implicit step is stable at 1 ms for springs a thousand times too 
     }
 }
 
-TEST_CASE("implicit and explicit coupling agree as dt goes to nothing", "[dynamics]") {
+TEST_CASE("implicit and symplectic coupling agree within 0.1 % at steps of 1 us", "[dynamics]") {
     for (const std::string law : {"isotropic", "axial"}) {
         const Small s(law);
         const std::vector<int>& outline = s.mesh.outline();
@@ -245,11 +245,11 @@ TEST_CASE("implicit and explicit coupling agree as dt goes to nothing", "[dynami
     }
 }
 
-TEST_CASE("the tool's force on the end nodes has the force, the moment and the power of -f at the proxy", "[dynamics][contact]") {
+TEST_CASE("the tool's force on the end nodes has the resultant and moment and power of -f at the proxy", "[dynamics][contact]") {
     const Small s("axial");
     const std::vector<int>& outline = s.mesh.outline();
     for (double w : {0.0, 0.2, 0.5, 1.0}) {
-        // from rest the nodes' momentum after one step is what was put on them
+        // From rest, the momentum of the nodes after one step is dt times the forces on them.
         const auto dynamics = make_dynamics("symplectic", s.mesh, {1e-3, 0});
         MeshState state(s.mesh, s.slots);
         const ContactLoad load{{outline[4], outline[5]}, {1 - w, w}, 3, {0.07, 0.05}, Eigen::Vector2d(0, 0)};
@@ -271,7 +271,7 @@ TEST_CASE("the tool's force on the end nodes has the force, the moment and the p
     }
 }
 
-TEST_CASE("the implicit step balances momentum at its end, with the force that it returns", "[dynamics][contact]") {
+TEST_CASE("the implicit step balances momentum at its end with the force that it returns", "[dynamics][contact]") {
     for (const std::string law : {"isotropic", "axial"}) {
         const Small s(law);
         const double dt = 1e-3, damping = 3;
@@ -282,7 +282,7 @@ TEST_CASE("the implicit step balances momentum at its end, with the force that i
         state.displacement = with_fixed_at_rest(s.mesh, scattered_columns(s.mesh, 1e-3));
         for (int k = 0; k < 5; ++k) {
             const NodeColumns before = state.velocity;
-            state.theta *= 1.2;  // as a moving average changes it
+            state.theta *= 1.2;  // as the moving average changes it
             state.theta_changed = true;
             const Eigen::Vector2d f = dynamics->step(state, load);
             CHECK((f - load.given_N - 50 * (load.master_m - load.proxy(s.mesh, state.displacement))).norm() < 1e-12);
@@ -295,7 +295,7 @@ TEST_CASE("the implicit step balances momentum at its end, with the force that i
     }
 }
 
-TEST_CASE("meshes and steps that cannot be are refused", "[dynamics]") {
+TEST_CASE("an invalid step or mass or spring law and a mesh too large to factor are refused", "[dynamics]") {
     const Small s("axial");
     CHECK(refusal<MismatchError>([&] { make_dynamics("leapfrog", s.mesh, {}); }).find("paper, symplectic, implicit") != std::string::npos);
     refusal<MismatchError>([&] { make_dynamics("paper", s.mesh, {0, 0}); });

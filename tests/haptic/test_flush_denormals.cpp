@@ -1,4 +1,4 @@
-// Denormals: a tick's own floating-point mode, what becomes of tissue that swings out, and that the caller's mode is the caller's again.
+// Denormals: the floating-point mode of a tick, decaying oscillations of tissue, and the caller's mode afterwards.
 #include "flush_denormals.h"
 
 #include <catch2/catch.hpp>
@@ -27,7 +27,7 @@ long denormals(const Simulation& s) {
 
 }  // namespace
 
-TEST_CASE("within it denormals are zero and rounding is to nearest, after it the mode is the caller's again", "[denormals]") {
+TEST_CASE("FlushDenormals sets denormals to zero and rounding to nearest and restores the caller's mode", "[denormals]") {
     std::fenv_t before;
     std::fegetenv(&before);
     for (int rounding : {FE_TONEAREST, FE_UPWARD, FE_TOWARDZERO}) {
@@ -56,18 +56,19 @@ TEST_CASE("within it denormals are zero and rounding is to nearest, after it the
 }
 
 #if defined(__x86_64__) || defined(__aarch64__)
-TEST_CASE("tissue that swings out passes the denormals and comes to rest", "[denormals][simulation]") {
+TEST_CASE("decaying oscillations of tissue produce no denormal values and ticks keep the caller's floating-point mode", "[denormals][simulation]") {
     struct Kind { const char *name, *dynamics; TissueModel model; };
     const ExampleModel paper{"grid4", "isotropic"};
-    for (const Kind& kind : {Kind{"sets, as they come", "auto", haptic_example(paper)}, Kind{"sets, paper", "paper", haptic_example(paper)}, Kind{"sets, implicit", "implicit", haptic_example(paper)},
-                             Kind{"a law", "auto", law_example()}, Kind{"a law that relaxes", "auto", relaxing(law_example())}, Kind{"a solid", "auto", solid_example()}}) {
+    for (const Kind& kind : {Kind{"spring sets", "auto", haptic_example(paper)}, Kind{"spring sets, paper", "paper", haptic_example(paper)}, Kind{"spring sets, implicit", "implicit", haptic_example(paper)},
+                             Kind{"energy model", "auto", law_example()}, Kind{"energy model that relaxes", "auto", relaxing(law_example())}, Kind{"energy model in space", "auto", solid_example()}}) {
         INFO(kind.name);
         HapticOptions o;
         o.dynamics = kind.dynamics;
         o.heuristic_mesh = false;
         const HapticModel model(kind.model, o);
         Simulation s(model);
-        // as after minutes untouched: the last numbers that are none of them, and those some seconds before
+        // As after minutes without contact: velocities near the smallest normal number, and those of some seconds
+        // earlier.
         for (int n = 0; n < model.rest.node_count(); ++n)
             if (!model.meshes[0]->springs.fixed(n)) s.state(0).velocity.row(n).setConstant(std::pow(10, -300 - n % 8));
         const DeviceSample away = sample_at(Eigen::Vector3d(0.05, 0.3, 0.3));

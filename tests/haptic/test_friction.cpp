@@ -22,7 +22,7 @@ HapticOptions with_friction(double stick, std::optional<double> slip = {}) {
     return o;
 }
 
-/// Presses the middle of the top by this depth, then drags along the first axis at 10 mm/s.
+/// Indents the middle of the top by this depth, then drags along the first axis at 10 mm/s.
 struct Drag {
     Drag(const TissueModel& tissue, const HapticOptions& options, double depth_m = 0.004) : model(tissue, options), s(model), depth(depth_m) {
         at = model.rest.dimension() == 3 ? Eigen::Vector3d(0.04, 0.05, 0.05) : Eigen::Vector3d(0.04, 0.1, 0);
@@ -51,7 +51,7 @@ std::vector<TissueModel> tissues() { return {law_example(), solid_example(), hap
 
 }  // namespace
 
-TEST_CASE("a tool dragged along a flat surface feels mu times what it presses with", "[friction][long]") {
+TEST_CASE("the drag force of a sliding tool is mu times its normal force", "[friction][long]") {
     for (const TissueModel& tissue : tissues())
         for (double mu : {0.1, 0.3}) {
             Drag drag(tissue, with_friction(mu));
@@ -63,13 +63,14 @@ TEST_CASE("a tool dragged along a flat surface feels mu times what it presses wi
                 ratio += drag.drag_N() / drag.normal_N() / 40;
             }
             INFO(tissue.study << " mu " << mu << ": " << ratio << ", dissipated " << drag.s.friction().dissipated_J() << " J");
-            CHECK(ratio == Approx(mu).epsilon(tissue.energy_law ? 0.03 : 0.2));  // a dented outline has steps at its nodes
+            // an indented outline has kinks at its nodes
+            CHECK(ratio == Approx(mu).epsilon(tissue.energy_model ? 0.03 : 0.2));
             CHECK((drag.place_m() - from)[0] > 0.003);
             CHECK(drag.s.friction().dissipated_J() > 0);
         }
 }
 
-TEST_CASE("in one tick a contact of springs slips half a spacing at most, however far away the tool is", "[friction]") {
+TEST_CASE("a contact on spring sets slides by at most half a spacing in one tick", "[friction]") {
     const HapticModel model(haptic_example({"grid8", "axial"}), {});
     const std::unique_ptr<MovingSurface> surface = make_moving_surface(model.rest);
     Friction friction({0.3, 0.3});
@@ -80,7 +81,7 @@ TEST_CASE("in one tick a contact of springs slips half a spacing at most, howeve
     CHECK((where.position_m - from).norm() == Approx(0.5 * model.surface.spacing_m()).epsilon(1e-6));
 }
 
-TEST_CASE("inside the cone a contact sticks, and without friction's end it always does", "[friction]") {
+TEST_CASE("a contact inside the friction cone sticks and one with infinite friction always sticks", "[friction]") {
     for (const TissueModel& tissue : tissues())
         for (double mu : {0.8, std::numeric_limits<double>::infinity()}) {
             Drag drag(tissue, with_friction(mu));
@@ -95,7 +96,7 @@ TEST_CASE("inside the cone a contact sticks, and without friction's end it alway
         }
 }
 
-TEST_CASE("a contact that slips feels the kinetic mu, and needs the static one to begin", "[friction]") {
+TEST_CASE("a contact begins to slip at the static coefficient of friction", "[friction]") {
     for (const TissueModel& tissue : {law_example(), solid_example()}) {
         Drag drag(tissue, with_friction(0.4, 0.2));
         double most = 0, last = 0;
@@ -111,7 +112,7 @@ TEST_CASE("a contact that slips feels the kinetic mu, and needs the static one t
     }
 }
 
-TEST_CASE("there and back with friction the hand loses what it dissipates, and is given nothing", "[friction]") {
+TEST_CASE("cyclic drags with friction cost the hand energy and at most three times the dissipated energy", "[friction]") {
     for (const TissueModel& tissue : {law_example(), solid_example()}) {
         Drag drag(tissue, with_friction(0.2));
         drag.by(0.004);
@@ -127,7 +128,7 @@ TEST_CASE("there and back with friction the hand loses what it dissipates, and i
     }
 }
 
-TEST_CASE("along a curved surface a tool slips on past nodes and edges", "[friction]") {
+TEST_CASE("a tool slides along a curved surface past nodes without sticking", "[friction]") {
     TissueModel tissue = law_example(edge_mesh(disc(24)));
     const HapticModel model(tissue, with_friction(0.1));
     Simulation s(model);
@@ -149,12 +150,12 @@ TEST_CASE("along a curved surface a tool slips on past nodes and edges", "[frict
         if (k > 1500) longest = std::max(longest, stood);
     }
     const Point end = model.meshes[0]->springs.rest_place(s.contact().where.facet, s.contact().where.weight);
-    INFO("stood for " << longest << " ticks at most");
+    INFO("stuck for " << longest << " ticks at most");
     CHECK(longest < 200);
     CHECK((end - outline.position(from + way)).norm() < 0.01);
 }
 
-TEST_CASE("of tissue that relaxes a contact that slips keeps what it remembers, that of the mesh beside too", "[friction]") {
+TEST_CASE("a sliding contact on tissue that relaxes keeps the state of its Maxwell branches on both meshes", "[friction]") {
     Drag drag(relaxing(solid_example()), with_friction(0.3));
     const HapticMesh& mesh = *drag.model.meshes[0];
     SurfacePlace where = drag.s.contact().where;
@@ -175,14 +176,15 @@ TEST_CASE("of tissue that relaxes a contact that slips keeps what it remembers, 
     REQUIRE(friction.slipping());
     REQUIRE((touched_m - from_m).norm() > 0.004);
     for (int g = 0; g < tool.group_count(); ++g) {
-        CHECK(memory.known_N(g) == before.known_N(g));  // points go with the disc, and what they remember with them
+        // points of the contact move with the disc, and so does their state
+        CHECK(memory.known_N(g) == before.known_N(g));
         CHECK(beside.known_N(g) == beside_before.known_N(g));
     }
 }
 
-TEST_CASE("friction that is negative, kinetic friction above the static, and one without a static one, are refused", "[friction]") {
+TEST_CASE("negative friction and kinetic friction above the static one or without one are refused", "[friction]") {
     const double never = FrictionOptions().stick;
-    CHECK(refusal<MismatchError>([&] { Friction({never, 0.2}); }) == "friction-slip does nothing without friction: the tool never slips");
+    CHECK(refusal<MismatchError>([&] { Friction({never, 0.2}); }) == "friction-slip has no effect without friction");
     CHECK(refusal<MismatchError>([] { Friction({-0.1, {}}); }) == "friction must not be negative, not -0.1");
     CHECK(refusal<MismatchError>([] { Friction({0.1, -1}); }) == "friction-slip must not be negative, not -1");
     CHECK(refusal<MismatchError>([] { Friction({0.1, 0.2}); }) == "kinetic friction 0.2 must not be above the static 0.1");

@@ -1,4 +1,4 @@
-// Friction at hosts and devices of every rate: the force in the cone, the same where the hand rests, and nothing given to it.
+// Friction at different rates of host and device: force within the cone, force at rest, and energy of the hand.
 #include <array>
 #include <catch2/catch.hpp>
 #include <functional>
@@ -8,7 +8,8 @@
 namespace tissue {
 namespace {
 
-/// Old positions are accepted, forces are held for long, and no passivity controller damps the hand: what it loses, friction and tissue take.
+/// Old positions are accepted, forces are held for long, and the passivity controller is off. The energy of the hand is
+/// then dissipated by friction and tissue only.
 HapticOptions rubbed(double stick, std::optional<double> slip = {}) {
     HapticOptions options;
     options.heuristic_mesh = false;
@@ -21,8 +22,8 @@ HapticOptions rubbed(double stick, std::optional<double> slip = {}) {
 
 struct Run {
     std::vector<double> time_s;
-    std::vector<Point> force_N;       ///< of the tool on the tissue, a tick's, held until the next one
-    double put_in_J = 0, friction_J = 0;  ///< work of the hand after from_s, and what the energy log has of friction for that time
+    std::vector<Point> force_N;       ///< force of the tool on the tissue in a tick, held until the next one
+    double put_in_J = 0, friction_J = 0;  ///< after from_s: work of the hand, and friction in the energy log
 
     Point mean(double from_s, double to_s) const {
         Point sum = Point::Zero(2);
@@ -31,7 +32,7 @@ struct Run {
             if (time_s[k] >= from_s && time_s[k] < to_s) sum += force_N[k], ++count;
         return sum / count;
     }
-    /// Largest ratio of the force along the surface to the normal force.
+    /// Largest ratio of tangential to normal force.
     double steepest(double from_s, double to_s) const {
         double most = 0;
         for (std::size_t k = 0; k < time_s.size(); ++k)
@@ -40,7 +41,7 @@ struct Run {
     }
 };
 
-/// How often ticks and positions of the device come, how old positions are, and when the host stalls for how long.
+/// Rates of ticks and of the device's positions, age of positions, and begin and length of a stall of the host.
 struct Rates {
     double tick_Hz = 1000, device_Hz = 0, age_s = 0, stall_at_s = 10, stall_s = 0;
 };
@@ -69,7 +70,7 @@ Run run(const HapticModel& model, const Rates& rates, double seconds, const std:
     return run;
 }
 
-/// Into the top, waits, goes 30 mm along within 0.3 s, smoothly or at one speed, and waits.
+/// Indents the top, waits, moves 30 mm along it within 0.3 s, smoothly or at constant speed (abrupt), and waits.
 Eigen::Vector2d dragged(double time_s, bool abrupt) {
     const double part = std::clamp((time_s - 0.5) / 0.3, 0.0, 1.0), way = abrupt ? part : part * part * part * (10 - 15 * part + 6 * part * part);
     return {0.035 + 0.03 * way, 0.1 - 0.004 * std::min(1.0, time_s / 0.3)};
@@ -77,7 +78,7 @@ Eigen::Vector2d dragged(double time_s, bool abrupt) {
 
 }  // namespace
 
-TEST_CASE("a hand that drags and then rests feels the same at any rate of ticks", "[friction][long]") {
+TEST_CASE("the forces of a drag and of the rest after it do not depend on the tick rate", "[friction][long]") {
     const HapticModel model(law_example(), rubbed(0.3));
     for (const bool abrupt : {false, true}) {
         const auto way = [&](double t) { return dragged(t, abrupt); };
@@ -86,8 +87,8 @@ TEST_CASE("a hand that drags and then rests feels the same at any rate of ticks"
         CHECK(usual.mean(0.6, 0.7).x() == Approx(0.3 * -usual.mean(0.6, 0.7).y()).epsilon(0.03));
         for (const double rate_Hz : {8000.0, 500.0, 330.0, 200.0, 100.0, 50.0}) {
             const Run other = run(model, {rate_Hz}, 2, way);
-            INFO(rate_Hz << " Hz" << (abrupt ? ", stopped at once" : "") << ": drags with " << other.mean(0.6, 0.7).transpose() << " N, at 1 kHz " << usual.mean(0.6, 0.7).transpose() << ", rests with "
-                         << other.mean(1.4, 2).transpose() << " N, at 1 kHz " << usual.mean(1.4, 2).transpose() << "; steepest " << other.steepest(0.55, 0.78));
+            INFO(rate_Hz << " Hz" << (abrupt ? ", abrupt" : "") << ": drag force " << other.mean(0.6, 0.7).transpose() << " N, at 1 kHz " << usual.mean(0.6, 0.7).transpose() << ", rest force "
+                         << other.mean(1.4, 2).transpose() << " N, at 1 kHz " << usual.mean(1.4, 2).transpose() << "; largest ratio " << other.steepest(0.55, 0.78));
             CHECK((other.mean(0.6, 0.7) - usual.mean(0.6, 0.7)).norm() < 0.02 * usual.mean(0.6, 0.7).norm());
             CHECK((other.mean(1.4, 2) - usual.mean(1.4, 2)).norm() < 0.015 * usual.mean(1.4, 2).norm());
             CHECK(other.steepest(0.55, 0.78) < 1.1 * usual.steepest(0.55, 0.78));
@@ -95,30 +96,31 @@ TEST_CASE("a hand that drags and then rests feels the same at any rate of ticks"
     }
 }
 
-TEST_CASE("a hand that drags feels the same where its positions are old, or come less often than ticks", "[friction][long]") {
+TEST_CASE("the forces of a drag stay within 8 % with old positions and with positions rarer than ticks", "[friction][long]") {
     const HapticModel model(law_example(), rubbed(0.3));
     const auto way = [](double t) { return dragged(t, false); };
     const Run usual = run(model, {}, 2, way);
     for (const Rates& rates : {Rates{1000, 500}, Rates{1000, 250}, Rates{1000, 100}, Rates{100, 50}, Rates{1000, 0, 0.5e-3}, Rates{1000, 0, 1e-3}, Rates{200, 0, 1e-3}}) {
         const Run other = run(model, rates, 2, way);
-        INFO(rates.tick_Hz << " Hz, positions at " << rates.device_Hz << " Hz, " << 1e3 * rates.age_s << " ms old: drags with " << other.mean(0.6, 0.7).transpose() << " N, at 1 kHz "
-                           << usual.mean(0.6, 0.7).transpose() << ", rests with " << other.mean(1.4, 2).transpose() << " N, at 1 kHz " << usual.mean(1.4, 2).transpose() << "; steepest " << other.steepest(0.55, 0.78));
-        // between two positions the tool stands, tissue comes after it, and friction is less: by a quarter at 100 Hz
+        INFO(rates.tick_Hz << " Hz, positions at " << rates.device_Hz << " Hz, " << 1e3 * rates.age_s << " ms old: drag force " << other.mean(0.6, 0.7).transpose() << " N, at 1 kHz "
+                           << usual.mean(0.6, 0.7).transpose() << ", rest force " << other.mean(1.4, 2).transpose() << " N, at 1 kHz " << usual.mean(1.4, 2).transpose() << "; largest ratio " << other.steepest(0.55, 0.78));
+        // Between two positions the tool stands still and the tissue follows it. Friction is then lower, by a quarter
+        // at 100 Hz.
         CHECK((other.mean(0.6, 0.7) - usual.mean(0.6, 0.7)).norm() < (rates.device_Hz > 0 ? 0.08 : 0.01) * usual.mean(0.6, 0.7).norm());
         CHECK((other.mean(1.4, 2) - usual.mean(1.4, 2)).norm() < (rates.device_Hz > 0 ? 0.03 : 0.015) * usual.mean(1.4, 2).norm());
         CHECK(other.steepest(0.55, 0.78) < 1.15 * usual.steepest(0.55, 0.78));
     }
 }
 
-TEST_CASE("a hand that rubs at 4 and 8 Hz is given nothing at any rate from 50 Hz on, and the energy log has no more friction than it puts in at 1 kHz", "[friction][long]") {
+TEST_CASE("rubbing costs the hand work from 50 Hz on and logged friction is near the work at 1 kHz", "[friction][long]") {
     for (const auto& [mu, rub_Hz] : {std::pair{0.1, 4.0}, {0.3, 8.0}}) {
         const HapticModel model(law_example(), rubbed(mu));
         const auto rub = [f = rub_Hz](double t) { return Eigen::Vector2d(0.05 + (t > 0.5 ? 0.005 * std::sin(2 * M_PI * f * (t - 0.5)) : 0), 0.1 - 0.004 * std::min(1.0, t / 0.3)); };
         const Run usual = run(model, {}, 2.5, rub, 0.5);
         for (const double rate_Hz : {1000.0, 330.0, 200.0, 100.0, 50.0}) {
             const Run other = run(model, {rate_Hz}, 2.5, rub, 0.5);
-            INFO("mu " << mu << ", " << rub_Hz << " Hz, ticks at " << rate_Hz << " Hz: put in " << 1e3 * other.put_in_J << " mJ, at 1 kHz " << 1e3 * usual.put_in_J << ", booked " << 1e3 * other.friction_J);
-            // a force that is held for a tick, and follows the hand by one, turns round one and a half later
+            INFO("mu " << mu << ", " << rub_Hz << " Hz, ticks at " << rate_Hz << " Hz: work " << 1e3 * other.put_in_J << " mJ, at 1 kHz " << 1e3 * usual.put_in_J << ", logged friction " << 1e3 * other.friction_J);
+            // A force that is held for a tick and follows the hand by another one reverses 1.5 ticks late.
             const double late = std::cos(2 * M_PI * rub_Hz * 1.5 / rate_Hz);
             CHECK(other.put_in_J > 0.9 * late * usual.put_in_J);
             CHECK(other.put_in_J < 1.05 * usual.put_in_J);
@@ -128,21 +130,21 @@ TEST_CASE("a hand that rubs at 4 and 8 Hz is given nothing at any rate from 50 H
     }
 }
 
-TEST_CASE("a tool with little or no friction drags no more than that", "[friction]") {
+TEST_CASE("the drag force with a friction coefficient up to 0.05 stays within the friction cone", "[friction]") {
     for (const double mu : {0.0, 0.02, 0.05}) {
         const HapticModel model(law_example(), rubbed(mu));
         for (const double rate_Hz : {1000.0, 50.0})
             for (const double speed_m_s : {0.1, 0.2}) {
                 const Run drag = run(model, {rate_Hz}, 0.5 + 0.04 / speed_m_s, [v = speed_m_s](double t) { return Eigen::Vector2d(0.03 + v * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); });
                 const Point mean_N = drag.mean(0.6, 2);
-                INFO("mu " << mu << ", " << rate_Hz << " Hz, " << speed_m_s << " m/s: mean " << mean_N.transpose() << " N, steepest " << drag.steepest(0.6, 2));
+                INFO("mu " << mu << ", " << rate_Hz << " Hz, " << speed_m_s << " m/s: mean " << mean_N.transpose() << " N, largest ratio " << drag.steepest(0.6, 2));
                 CHECK(std::abs(mean_N.x()) < (mu + 0.01) * -mean_N.y());
                 CHECK(drag.steepest(0.6, 2) < mu + 0.04);
             }
     }
 }
 
-TEST_CASE("a tool that slips on spring sets drags the same where ticks come faster than dt", "[friction][long]") {
+TEST_CASE("sliding on spring sets has the same drag ratio at tick rates above 1 kHz", "[friction][long]") {
     for (const double mu : {0.0, 0.1, 0.3}) {
         const HapticModel model(haptic_example({"grid8", "axial"}), rubbed(mu));
         const auto way = [](double t) { return Eigen::Vector2d(0.03 + 0.1 * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); };
@@ -153,13 +155,13 @@ TEST_CASE("a tool that slips on spring sets drags the same where ticks come fast
         const double usual = ratio(1000);
         for (const double rate_Hz : {3000.0, 8000.0}) {
             INFO("mu " << mu << ", " << rate_Hz << " Hz: " << ratio(rate_Hz) << ", at 1 kHz " << usual);
-            // the contact is laid once a dt, in which the tool goes 0.1 mm; it is pressed in by 4 mm
+            // The contact is placed once per dt, in which the tool moves 0.1 mm. The indentation is 4 mm.
             CHECK(std::abs(ratio(rate_Hz) - usual) < 0.1 / 4 + 0.05 * mu);
         }
     }
 }
 
-TEST_CASE("a tool that comes in as it slips keeps its contact at a slow host", "[friction]") {
+TEST_CASE("a tool that lands while sliding keeps its contact at a slow host", "[friction]") {
     const HapticModel model(law_example(), rubbed(0.3));
     for (const double rate_Hz : {100.0, 70.0, 50.0})
         for (const double speed_m_s : {0.15, 0.3}) {
@@ -174,7 +176,7 @@ TEST_CASE("a tool that comes in as it slips keeps its contact at a slow host", "
         }
 }
 
-TEST_CASE("after a stall while it drags the tool feels friction the way that it goes", "[friction]") {
+TEST_CASE("after a stall of up to 20 ms friction on the tissue still acts along the drag", "[friction]") {
     const HapticModel model(law_example(), rubbed(0.3));
     for (const double stall_s : {0.003, 0.005, 0.01, 0.02, 0.15}) {
         const Run stalled = run(model, {1000, 0, 0, 0.65, stall_s}, 0.9, [](double t) { return Eigen::Vector2d(0.03 + 0.1 * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); });
@@ -182,26 +184,27 @@ TEST_CASE("after a stall while it drags the tool feels friction the way that it 
             if (stalled.time_s[k] < 0.6) continue;
             const Point& force_N = stalled.force_N[k];
             INFO("stall of " << 1e3 * stall_s << " ms, at " << stalled.time_s[k] << " s: " << force_N.transpose() << " N");
-            CHECK(force_N.x() > (stall_s < 0.1 ? 0 : 0.3 * force_N.y()));  // 15 mm farther on tissue swings within the cone
+            // after 0.15 s the tool is 15 mm farther, and the tissue oscillates within the cone
+            CHECK(force_N.x() > (stall_s < 0.1 ? 0 : 0.3 * force_N.y()));
             CHECK(force_N.x() < 0.4 * -force_N.y());
         }
     }
 }
 
-TEST_CASE("a contact that breaks loose feels the kinetic mu from then on, and is not pushed on", "[friction]") {
+TEST_CASE("friction falls from the static coefficient below 1.3 times the kinetic one when a contact begins to slip", "[friction]") {
     for (const auto& [stick, slip] : {std::pair{0.6, 0.1}, {0.4, 0.2}})
         for (const double speed_m_s : {0.02, 0.05}) {
             const HapticModel model(law_example(), rubbed(stick, slip));
             const Run loose = run(model, {}, 0.5 + 0.035 / speed_m_s, [v = speed_m_s](double t) { return Eigen::Vector2d(0.04 + v * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); });
             double most = 0, least = 1, last = 0;
-            int after = 0;  // ticks since it broke loose
+            int after = 0;  // ticks since it began to slip
             for (std::size_t k = 0; k < loose.time_s.size(); ++k) {
                 if (loose.time_s[k] < 0.51) continue;
                 const double share = loose.force_N[k].x() / -loose.force_N[k].y();
                 INFO("mu " << stick << " and " << slip << ", " << speed_m_s << " m/s, at " << loose.time_s[k] << " s: " << loose.force_N[k].transpose() << " N");
                 if (after > 0 ? ++after < 6 : most > 0.8 * stick && share < 0.8 * last) CHECK(share > 0);
                 if (after == 0 && most > 0.8 * stick && share < 0.8 * last) after = 1;
-                CHECK(share > -0.5 * stick);  // tissue that is let go of swings past where it rests
+                CHECK(share > -0.5 * stick);  // released tissue swings past its rest position
                 most = std::max(most, last = share);
                 if (after > 0) least = std::min(least, share);
             }
@@ -211,9 +214,9 @@ TEST_CASE("a contact that breaks loose feels the kinetic mu from then on, and is
         }
 }
 
-TEST_CASE("a tool that lifts as it slips feels at a slow host what it does at 1 kHz", "[friction]") {
+TEST_CASE("the tangential share of the force while a sliding tool lifts is similar at slow hosts and at 1 kHz", "[friction]") {
     const HapticModel model(law_example(), rubbed(0.2));
-    const auto steepest = [&](double rate_Hz) {  // largest share of the force that goes along, in means over 20 ms
+    const auto steepest = [&](double rate_Hz) {  // largest tangential share of the force, in means over 20 ms
         Simulation s(model);
         DeviceSample sample;
         double most = 0;

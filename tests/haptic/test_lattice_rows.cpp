@@ -1,4 +1,4 @@
-// Rows in which an embedded lattice's nodes stand for the tick.
+// Rows of an embedded lattice's nodes in the arrays of the tick.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <map>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double spacing_m = 0.004;
 
-/// One node of a solid, and a lattice's at these places.
+/// A mesh of one node of a solid and of lattice nodes at these places.
 SpringMesh at_places(const std::vector<std::array<int, 3>>& places) {
     SpringMesh mesh;
     mesh.embedding.spacing_m = spacing_m;
@@ -32,7 +32,7 @@ SpringMesh at_places(const std::vector<std::array<int, 3>>& places) {
 
 }  // namespace
 
-TEST_CASE("neighbours of an embedded lattice are as many rows apart everywhere in a layer, no row has two nodes, and what is scattered is gathered again", "[embedded][solid]") {
+TEST_CASE("rows of an embedded lattice are distinct with constant neighbour offsets per layer and gather inverts scatter", "[embedded][solid]") {
     const SpringMesh mesh = embedded_lattice(dome(8), spacing_m);
     const LatticeRows rows(mesh);
     const int own = mesh.embedding.node_count(), N = mesh.node_count();
@@ -49,7 +49,7 @@ TEST_CASE("neighbours of an embedded lattice are as many rows apart everywhere i
     }
     CHECK(static_cast<int>(taken.size()) == N - own);
 
-    std::map<std::array<long, 4>, std::set<int>> apart;  // of a spring's step and its lower end's layer
+    std::map<std::array<long, 4>, std::set<int>> apart;  // by step of a spring and layer of its lower end
     for (Eigen::Index s = 0; s < mesh.springs.rows(); ++s) {
         const int i = mesh.springs.row(s).minCoeff(), j = mesh.springs.row(s).maxCoeff();
         const Eigen::RowVector3d step = (mesh.nodes.row(j) - mesh.nodes.row(i)) / spacing_m;
@@ -77,7 +77,7 @@ TEST_CASE("neighbours of an embedded lattice are as many rows apart everywhere i
     CHECK(back == u);
 }
 
-TEST_CASE("springs of an embedded lattice lie in long bands of few empty slots, nearly all of equal springs", "[embedded][solid]") {
+TEST_CASE("springs of an embedded lattice form long bands with few empty slots and mostly equal springs", "[embedded][solid]") {
     const SpringMesh mesh = embedded_lattice(dome(8), spacing_m);
     Eigen::VectorXd mass = Eigen::VectorXd::Ones(mesh.node_count());
     mass.head(mesh.embedding.node_count()).setZero();
@@ -89,7 +89,7 @@ TEST_CASE("springs of an embedded lattice lie in long bands of few empty slots, 
     CHECK(alike >= 0.98 * springs.slot_count());
 }
 
-TEST_CASE("a lattice that would leave most rows empty, and a mesh that is none, keep their nodes' order; two nodes at one place are refused", "[embedded][solid]") {
+TEST_CASE("a sparse or very distant lattice keeps its node order and two nodes at one place are refused", "[embedded][solid]") {
     std::vector<std::array<int, 3>> stick;
     for (int n = 0; n < 30; ++n) {
         stick.push_back({n, n, 0});
@@ -101,7 +101,8 @@ TEST_CASE("a lattice that would leave most rows empty, and a mesh that is none, 
     CHECK(by_node.count() == diagonal.node_count());
     CHECK(by_node.of(7) == 7);
 
-    // so far apart that rows are no exact numbers, and yet few: they would lie beside their array
+    // Nodes so far apart that row numbers are not exact in floating point, although there are few rows. Such rows would
+    // be out of range.
     SpringMesh far = at_places(std::vector<std::array<int, 3>>(710, {0, 0, 0}));
     far.embedding.spacing_m = std::ldexp(1.0, -44);
     far.nodes.row(1) << 512, 8773495498113277, 0;

@@ -1,11 +1,12 @@
-// What a law does in motion: the energy that a hand puts in and gets back, contacts that come and go, a force in place of a place.
+// An energy model in motion: energy balance with the hand, beginning and end of contacts, and a prescribed force in
+// place of a tool displacement.
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "haptic/simulation.h"
 #include "haptic_example.h"
 #include "mesh/outline.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 using namespace tissue;
 
@@ -13,11 +14,11 @@ namespace {
 
 constexpr double turn = 2 * 3.14159265358979323846;
 
-/// A law's mesh under a tool that goes where it is told.
+/// The mesh of an energy model under a tool with prescribed displacements.
 struct Held {
     explicit Held(double arc_m, double damping_1_s = 0)
         : arc(arc_m), surface(tissue.mesh), springs(tissue.mesh, "geometric", tissue.node_mass_kg), law(tissue, springs),
-          patch(surface.at(arc), tissue.energy_law->patch.at(surface.at(arc))),
+          patch(surface.at(arc), tissue.energy_model->patch.at(surface.at(arc))),
           dynamics(make_dynamics("symplectic", springs, {dt / 2, damping_1_s, &law})),
           state(springs, Eigen::VectorXd::Zero(springs.slot_count())) {
         patch.lay_out(tool);
@@ -34,7 +35,7 @@ struct Held {
         for (int node = 0; node < springs.node_count(); ++node) motion += springs.mass()[node] * state.velocity.row(node).squaredNorm() / 2;
         return motion + law.energy(state.displacement) + tool.energy_J(push_m, state.displacement);
     }
-    /// Of a tool that jumps by this much: what a spring takes or gives beyond the force before the jump.
+    /// For a jump of the tool: energy of the contact's springs beyond (force before the jump) . jump.
     double sampled(const Eigen::Vector2d& jump_m) const { return jump_m.dot(patch.gap_N_m * jump_m) / 2; }
 
     static constexpr double dt = 1e-3;
@@ -42,14 +43,14 @@ struct Held {
     double arc;
     ContactSurface surface;
     RealtimeMesh springs;
-    RealtimeLaw law;
+    RealtimeEnergyModel law;
     PatchSpring patch;
     ToolSpring tool;
     std::unique_ptr<Dynamics> dynamics;
     MeshState state;
 };
 
-/// From the tissue's rest: 12 mm in and out again within 3 s, pumping at 3 Hz and tilting.
+/// From rest 12 mm in and out again within 3 s, with an oscillation at 3 Hz and a tilting direction.
 Eigen::Vector2d pumping(const Outline& outline, double arc_m, double t) {
     const auto smooth = [](double x) { return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x); };
     const double depth = smooth(t / 0.5) * smooth((3 - t) / 0.5) * (0.012 + 0.003 * std::sin(3 * turn * t));
@@ -58,7 +59,7 @@ Eigen::Vector2d pumping(const Outline& outline, double arc_m, double t) {
 
 }  // namespace
 
-TEST_CASE("what the hand gives is what the tissue has, but for the sampled coupling of a tool that moves once a tick", "[law]") {
+TEST_CASE("the energy of the tissue is at most the hand's work plus the energy of the sampled coupling", "[law]") {
     for (double arc : {0.05, 0.098, 0.153}) {
         Held held(arc);
         double work = 0, sampled = 0, peak = 0, worst = 0, least = 0;
@@ -74,16 +75,16 @@ TEST_CASE("what the hand gives is what the tissue has, but for the sampled coupl
         INFO("arc " << arc << ": created " << 1e3 * (held.energy({0, 0}) - work) << " mJ, sampled " << 1e3 * sampled << ", at most " << 1e3 * peak);
         CHECK(peak > 5e-3);
         CHECK(worst < 0.005 * peak);
-        CHECK(least > -0.02 * peak);  // nor does it vanish: what the force of each first substep alone would cost the hand
+        CHECK(least > -0.02 * peak);  // no energy is lost, as it would be with the force of the first substep alone
     }
 }
 
-TEST_CASE("a tool led round in a circle gets nothing back beyond the sampled coupling, and at rest nothing at all", "[law]") {
+TEST_CASE("a circular tool path returns at most the energy of the sampled coupling and does no work in equilibrium", "[law]") {
     for (double arc : {0.05, 0.098, 0.153}) {
         Held held(arc);
         const Eigen::Vector2d in = held.surface.outline().direction(arc, 0), along(-in.y(), in.x());
         const auto tool = [&](double a) -> Eigen::Vector2d { return 0.007 * in + 0.0025 * (std::cos(a) * in + std::sin(a) * along); };
-        const LawPress press(held.tissue);
+        const IndentationSolver press(held.tissue);
         held.state.displacement = press.at(held.surface.outline().position(arc), tool(0)).displacement;
         const double stored = held.energy(tool(0));
 
@@ -100,7 +101,7 @@ TEST_CASE("a tool led round in a circle gets nothing back beyond the sampled cou
             CHECK(sampled < 0.05 * stored);
         }
 
-        double statical = 0;  // the trapezoidal rule, exact on a circle
+        double statical = 0;  // trapezoidal rule, exact on a circle
         constexpr int points = 48;
         for (int k = 0; k < points; ++k) {
             const double a = turn * k / points;
@@ -111,9 +112,9 @@ TEST_CASE("a tool led round in a circle gets nothing back beyond the sampled cou
     }
 }
 
-TEST_CASE("a contact that glides is outside the energy: what it makes of nothing is less than the force over the way", "[law]") {
+TEST_CASE("a contact that moves along the surface creates less energy than its force times the path", "[law]") {
     const TissueModel tissue = law_example();
-    const LawPress press(tissue);
+    const IndentationSolver press(tissue);
     const TissueEnergy energy(tissue.mesh, true);
     const ContactSurface surface(tissue.mesh);
     struct Rest {
@@ -122,18 +123,19 @@ TEST_CASE("a contact that glides is outside the energy: what it makes of nothing
     };
     const auto rest_at = [&](double arc, double depth) {
         const ContactPatch patch = surface.at(arc);
-        const PatchSpring contact(patch, tissue.energy_law->patch.at(patch));
+        const PatchSpring contact(patch, tissue.energy_model->patch.at(patch));
         const Eigen::Vector2d push = depth * patch.normal;
         const Equilibrium state = press.at(surface.outline().position(arc), push);
         REQUIRE(state);
         Eigen::Vector2d at[ContactPatch::size];
         gather(patch, state.displacement, at);
-        return Rest{energy.energy(tissue.energy_law->constants, state.displacement) + contact.load(push, at).energy_J,
+        return Rest{energy.energy(tissue.energy_model->constants, state.displacement) + contact.load(push, at).energy_J,
                     surface.outline().position(arc) + push, state.contact_force};
     };
     constexpr double way_m = 1e-3;
     for (double depth : {0.003, 0.010})
-        for (const auto& [from, to] : {std::pair{0.12, 0.15}, std::pair{0.085, 0.115}}) {  // along the top, and round a corner
+        // along the top, and round a corner
+        for (const auto& [from, to] : {std::pair{0.12, 0.15}, std::pair{0.085, 0.115}}) {
             double most = 0;
             Rest before = rest_at(from, depth);
             for (double arc = from + way_m; arc < to + 1e-9; arc += way_m) {
@@ -149,22 +151,23 @@ TEST_CASE("a contact that glides is outside the energy: what it makes of nothing
         }
 }
 
-TEST_CASE("a hand that taps its way along the tissue and round its corner gets no more than the safety's book allows", "[law]") {
+TEST_CASE("a hand that taps along the tissue and around its corner stays within the energy bound", "[law]") {
     const TissueModel tissue = law_example();
     HapticOptions o;
     o.heuristic_mesh = false;
     const HapticModel model(tissue, o);
     const Outline outline(tissue.mesh);
-    for (const auto& [taps_Hz, out_m] : {std::pair(2.0, 0.002), std::pair(10.0, 0.002), std::pair(25.0, 0.004)}) {  // tissue that is tapped 25 times a second swings out by more than 2 mm
+    // tissue tapped at 25 Hz oscillates by more than 2 mm
+    for (const auto& [taps_Hz, out_m] : {std::pair(2.0, 0.002), std::pair(10.0, 0.002), std::pair(25.0, 0.004)}) {
         Simulation s(model);
         int begun = 0, ended = 0, pulled = 0;
         bool before = false;
         double most = 0;
         constexpr int ticks = 10000;
         for (int k = 0; k < ticks; ++k) {
-            const double t = 1e-3 * k, tap = std::floor(taps_Hz * t);  // each at its own place
+            const double t = 1e-3 * k, tap = std::floor(taps_Hz * t);  // each tap at its own place
             const double arc = 0.1 + 0.04 * std::sin(2.4 * tap);
-            const double depth = 0.01 - (0.01 + out_m) / 2 * (1 + std::cos(turn * taps_Hz * t));  // 10 mm in
+            const double depth = 0.01 - (0.01 + out_m) / 2 * (1 + std::cos(turn * taps_Hz * t));  // 10 mm deep
             const Eigen::Vector2d at = outline.position(arc) + depth * outline.inward_normal(arc);
             s.tick(sample_at(at.x(), at.y()));
             begun += s.contact().contact && !before;
@@ -176,18 +179,18 @@ TEST_CASE("a hand that taps its way along the tissue and round its corner gets n
         const double taps = taps_Hz * 1e-3 * ticks;
         INFO(taps_Hz << " Hz: " << begun << " contacts, given " << s.safety().counters().energy_given_J << " J, observer at most " << most);
         CHECK(begun >= 0.9 * taps);
-        CHECK(begun <= 4 * taps);  // a swinging surface meets the tool again now and then, and does not chatter
+        CHECK(begun <= 4 * taps);  // an oscillating surface sometimes meets the tool again, without chatter
         CHECK(begun - ended <= 1);
-        CHECK(pulled <= begun);  // the mean over the last tick of a contact may
+        CHECK(pulled <= begun);  // only the mean over the last tick of a contact may pull
         CHECK(most <= s.safety().bound_J());
         CHECK(s.counters().folded + s.counters().unstable == 0);
     }
 }
 
-TEST_CASE("a law's contact keeps its place while the patch pushes, wherever the outline is, and the tool is the hand's", "[law]") {
+TEST_CASE("the contact of an energy model keeps its place until the tool lifts and its force is that of equilibrium", "[law]") {
     const TissueModel tissue = law_example();
     const HapticModel model(tissue, {});
-    const LawPress press(tissue);
+    const IndentationSolver press(tissue);
     Simulation s(model);
     double x = 0.047, y = 0.103;
     const auto go = [&](double to_x, double to_y, int ticks) {
@@ -212,7 +215,7 @@ TEST_CASE("a law's contact keeps its place while the patch pushes, wherever the 
     CHECK_FALSE(s.contact().contact);
 }
 
-TEST_CASE("where the other mesh is touched, a law gets its force, and says how far a tool with that force would be in it", "[law]") {
+TEST_CASE("an energy model beside a touched mesh gets its force and reports the tool displacement in equilibrium with it", "[law]") {
     const TissueModel tissue = law_example();
     const HapticModel model(tissue, {});
     CHECK(model.meshes[1]->dynamics == "symplectic");
@@ -220,13 +223,13 @@ TEST_CASE("where the other mesh is touched, a law gets its force, and says how f
     for (int k = 0; k < 10000; ++k) s.tick(sample_at(0.197, 0.103 - 0.009 * std::min(1.0, k / 1000.0)));
     REQUIRE(s.record().mesh == 1);
     const Eigen::Vector2d push = s.record().contact_displacement_m, force = -s.record().coupling_N;
-    const Equilibrium rest = LawPress(tissue).at(Eigen::Vector2d(0.047, 0.1), push);
+    const Equilibrium rest = IndentationSolver(tissue).at(Eigen::Vector2d(0.047, 0.1), push);
     REQUIRE(rest);
     CHECK(force.norm() > 0.5);
     CHECK((Eigen::Vector2d(rest.contact_force) - force).norm() < 1e-3 * force.norm());
 }
 
-TEST_CASE("tissue that a hand has folded, and left, comes back to its own rest, if need be by being put there", "[law][long]") {
+TEST_CASE("tissue folded by a hand returns to rest or is put to rest after the hand has left", "[law][long]") {
     const TissueModel tissue = law_example();
     HapticOptions o;
     o.heuristic_mesh = false;
@@ -238,7 +241,7 @@ TEST_CASE("tissue that a hand has folded, and left, comes back to its own rest, 
     for (double taps_Hz : {1.0, 3.0})
         for (double swing_m : {0.006, 0.010, 0.015}) {
             Simulation s(model);
-            for (int k = 0; k < 10000; ++k) {  // pressing while it runs round the corner: the patch is drawn along
+            for (int k = 0; k < 10000; ++k) {  // indents while it moves round the corner, which drags the contact along
                 const double t = 1e-3 * k, arc = 0.06 + 0.08 * (0.5 - 0.5 * std::cos(turn * t / 2));
                 const Eigen::Vector2d at = outline.position(arc) + (swing_m * (1 - std::cos(turn * taps_Hz * t)) - 0.002) * outline.inward_normal(arc);
                 s.tick(sample_at(at.x(), at.y()));
@@ -252,7 +255,7 @@ TEST_CASE("tissue that a hand has folded, and left, comes back to its own rest, 
     CHECK(folded > 0);
 }
 
-TEST_CASE("the held edge is a wall", "[law]") {
+TEST_CASE("a tool on the fixed boundary is stopped without displacing the tissue", "[law]") {
     const HapticModel model(law_example(), {});
     Simulation s(model);
     double most = 0;
@@ -262,14 +265,14 @@ TEST_CASE("the held edge is a wall", "[law]") {
     CHECK(s.state(0).displacement.norm() < 1e-12);
 }
 
-TEST_CASE("a force in place of the tool may let 20 mm deep tissue snap to a rest nearby, where it stays", "[law]") {
-    // held by the tool the tissue is a minimum of the energy; under the same force alone, past 15 mm, it need not be
+TEST_CASE("tissue under a prescribed force at 20 mm depth comes to rest within 10 mm of the tool's equilibrium", "[law]") {
+    // Under a fixed tool the state is a minimum of the energy. Under the same force alone it need not be, beyond 15 mm.
     struct Push { double arc, angle; };
     int moved = 0;
     for (const Push& p : {Push{0.013, 1.047}, Push{0.023, 1.047}, Push{0.103, -0.349}, Push{0.153, 0}}) {
         Held held(p.arc, 5);
         const Eigen::Vector2d push = 0.020 * held.surface.outline().direction(p.arc, p.angle);
-        const Equilibrium rest = LawPress(held.tissue).at(held.surface.outline().position(p.arc), push);
+        const Equilibrium rest = IndentationSolver(held.tissue).at(held.surface.outline().position(p.arc), push);
         REQUIRE(rest);
         held.state.displacement = rest.displacement;
         for (int node = 0; node < held.springs.node_count(); ++node)

@@ -1,4 +1,4 @@
-// The tick of a law in space: its forces, its energy in motion, how fast it can swing.
+// The tick of an energy model in space: its forces, its energy in motion, and its highest frequency.
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,27 +14,27 @@
 #include "error.h"
 #include "haptic/dynamics.h"
 #include "mesh/embedded_lattice.h"
-#include "haptic/law_spectrum.h"
+#include "haptic/energy_model_spectrum.h"
 #include "haptic/simulation.h"
-#include "haptic/realtime_law.h"
+#include "haptic/realtime_energy_model.h"
 #include "haptic/spectrum.h"
 #include "haptic/support_mass.h"
 #include "mesh/free_surface.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/heuristic.h"
 #include "springs/law_kernel.h"
-#include "springs/law_press.h"
-#include "springs/press.h"
+#include "springs/indentation_solver.h"
+#include "springs/equilibrium_solver.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
 
 namespace {
 
-/// A block with whole cubes, and a solid that cuts them.
+/// A block of whole cubes, and a solid whose surface cuts cubes.
 std::vector<SpringMesh> meshes() { return {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}; }
 
-RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_law->curve, model.node_mass_kg}; }
+RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_model->curve, model.node_mass_kg}; }
 
 /// Squared angular frequencies of the free nodes, ascending [1/s2].
 Eigen::VectorXd eigenvalues(const RealtimeMesh& mesh, const Eigen::MatrixXd& K) {
@@ -50,18 +50,18 @@ Eigen::VectorXd eigenvalues(const RealtimeMesh& mesh, const Eigen::MatrixXd& K) 
 
 }  // namespace
 
-TEST_CASE("in space the tick's law asks for the forces of the energy that was trained, and stores it", "[solid][law]") {
+TEST_CASE("in space forces and energy in the tick equal those of the trained energy model", "[solid][law]") {
     for (const SpringMesh& mesh : meshes())
         for (double size : {1e-6, 1e-3, 3e-3}) {
             const TissueModel model = solid_law_example(mesh);
             const RealtimeMesh springs = springs_of(model);
-            const RealtimeLaw law(model, springs);
-            const TissueEnergy energy(mesh, *model.energy_law);
+            const RealtimeEnergyModel law(model, springs);
+            const TissueEnergy energy(mesh, *model.energy_model);
             NodeField u = scattered(mesh, size);
             energy.complete(u);
-            const NodeField expected = energy.force(model.energy_law->constants, u);
+            const NodeField expected = energy.force(model.energy_model->constants, u);
             NodeColumns f = NodeColumns::Ones(mesh.node_count(), 3);
-            RealtimeLaw::Scratch scratch = law.scratch();
+            RealtimeEnergyModel::Scratch scratch = law.scratch();
             long allocations = 0;
             {
                 const NodeColumns columns = u;
@@ -70,38 +70,40 @@ TEST_CASE("in space the tick's law asks for the forces of the energy that was tr
                 allocations = Allocations::count();
             }
             INFO(mesh.topology << " " << size);
-            CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());  // l - L cancels in the tick's springs
-            CHECK(law.energy(u) == Approx(energy.energy(model.energy_law->constants, u)).epsilon(1e-9));
+            // l - L cancels in the tick's springs
+            CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());
+            CHECK(law.energy(u) == Approx(energy.energy(model.energy_model->constants, u)).epsilon(1e-9));
             CHECK(allocations == 0);
         }
 }
 
-TEST_CASE("stiff supports bring mass, so that they need no more steps and the slowest mode stays", "[solid][law][embedded][long]") {
+TEST_CASE("extra mass at stiff supports limits the highest frequency and keeps the slowest mode", "[solid][law][embedded][long]") {
     for (const SpringMesh& mesh : {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011), embedded_lattice(dome(8), 0.008)}) {
         TissueModel model = solid_law_example(mesh);
-        const TissueEnergy energy(mesh, *model.energy_law);
+        const TissueEnergy energy(mesh, *model.energy_model);
         const NodeField rest = NodeField::Zero(mesh.node_count(), 3);
-        const auto tangent = [&] { return energy.tangent(model.energy_law->constants, rest); };
-        Eigen::VectorXd& constants = model.energy_law->constants;
+        const auto tangent = [&] { return energy.tangent(model.energy_model->constants, rest); };
+        Eigen::VectorXd& constants = model.energy_model->constants;
         const Eigen::VectorXd trained = constants.tail(mesh.support_count());
         constants.tail(mesh.support_count()).setZero();
         const double lattice = largest_eigenvalue(springs_of(model), tangent());
         constants.tail(mesh.support_count()) = 50 * trained;
         const double bare = largest_eigenvalue(springs_of(model), tangent()), slowest = smallest_eigenvalue(springs_of(model), tangent());
-        const RealtimeMesh heavy(mesh, model.energy_law->curve, mass_with_supports(model));
+        const RealtimeMesh heavy(mesh, model.energy_model->curve, mass_with_supports(model));
         INFO(mesh.embedding.cubes.rows() << " cubes, without mass " << bare / lattice << ", with it " << largest_eigenvalue(heavy, tangent()) / lattice << ", slowest " << smallest_eigenvalue(heavy, tangent()) / slowest);
         CHECK(bare > 4 * lattice);
-        CHECK(largest_eigenvalue(heavy, tangent()) < (mesh.embedding.fraction.minCoeff() > 0.99 ? 1.05 : 2.1) * lattice);  // a dome has cubes of which little is tissue
+        // a dome has cubes with little tissue
+        CHECK(largest_eigenvalue(heavy, tangent()) < (mesh.embedding.fraction.minCoeff() > 0.99 ? 1.05 : 2.1) * lattice);
         CHECK(smallest_eigenvalue(heavy, tangent()) >= 0.989 * slowest);
         CHECK(smallest_eigenvalue(heavy, tangent()) <= 1.0001 * slowest);
         CHECK(HapticModel(model, {}).meshes.front()->springs.mass() == heavy.mass());
 
-        constants.tail(mesh.support_count()) = 0.01 * trained;  // soft ones need none
+        constants.tail(mesh.support_count()) = 0.01 * trained;  // soft supports need none
         CHECK(mass_with_supports(model) == model.node_mass_kg);
     }
 }
 
-TEST_CASE("a force on an embedded solid's node does the same work on its lattice", "[solid][embedded]") {
+TEST_CASE("a force on a node of an embedded solid does the same work on its lattice", "[solid][embedded]") {
     const TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
     const Embedding& embedding = model.mesh.embedding;
     const int K = embedding.node_count();
@@ -116,19 +118,19 @@ TEST_CASE("a force on an embedded solid's node does the same work on its lattice
     }
 }
 
-TEST_CASE("a shape's contact is clamped to what training saw, and corrected, in a press, in the tick and after its file, and a session's state knows", "[solid][embedded][long]") {
+TEST_CASE("trained curvature range and correction of a contact apply in evaluation and in the tick and after reading a file", "[solid][embedded][long]") {
     TissueModel free = solid_law_example(embedded_lattice(dome(6), 0.011));
-    free.energy_law->patch.log_N_m.col(PatchLaw::curved_factor).head<4>().setConstant(1.5);
+    free.energy_model->patch.log_N_m.col(ContactParameters::curved_factor).head<4>().setConstant(1.5);
     const SpringMesh& mesh = free.mesh;
     const FreeSurface surface(mesh);
     const auto facet = static_cast<int>(std::find_if(surface.free_of().begin(), surface.free_of().end(), [](Eigen::Index number) { return number > 20; }) - surface.free_of().begin());
     REQUIRE(facet < mesh.facets.rows());
     const Eigen::Vector3d weight = Eigen::Vector3d::Constant(1.0 / 3);
     const FreeSurface::Place at = surface.place(surface.free_of()[static_cast<std::size_t>(facet)], weight);
-    const double curved = make_contact_kernel(mesh, *free.energy_law)->rows_at(at.point_m).factors[PatchLaw::curved_factor];
+    const double curved = make_contact_kernel(mesh, *free.energy_model)->rows_at(at.point_m).factors[ContactParameters::curved_factor];
     TissueModel model = free;
-    model.energy_law->disc.curved_range = {curved - 0.6, curved - 0.4};
-    model.energy_law->disc.correction.value.setConstant(mesh.facets.rows(), 10, -0.3);
+    model.energy_model->disc.curved_range = {curved - 0.6, curved - 0.4};
+    model.energy_model->disc.correction.value.setConstant(mesh.facets.rows(), 10, -0.3);
     const TemporaryFolder folder;
     free.heuristic_b = model.heuristic_b = model.heuristic_a;
     for (TissueModel* m : {&free, &model}) {
@@ -139,25 +141,25 @@ TEST_CASE("a shape's contact is clamped to what training saw, and corrected, in 
     const TissueModel back = read_model(folder.file("model.h5"));
 
     const Point push = 0.002 * at.inward;
-    const double soft_N = LawPress(model).at(at.point_m, push).contact_force.norm();
-    CHECK(soft_N < 0.9 * LawPress(free).at(at.point_m, push).contact_force.norm());
-    CHECK(LawPress(back).at(at.point_m, push).contact_force.norm() == soft_N);
+    const double soft_N = IndentationSolver(model).at(at.point_m, push).contact_force.norm();
+    CHECK(soft_N < 0.9 * IndentationSolver(free).at(at.point_m, push).contact_force.norm());
+    CHECK(IndentationSolver(back).at(at.point_m, push).contact_force.norm() == soft_N);
 
     const RealtimeMesh springs = springs_of(model);
-    const RealtimeLaw law(model, springs);
+    const RealtimeEnergyModel law(model, springs);
     ToolSpring tool;
     law.contact(facet, weight, {}, tool);
-    const ContactSpring trained(make_contact_kernel(mesh, *model.energy_law)->rows_at(at.point_m), model.energy_law->patch);
+    const ContactSpring trained(make_contact_kernel(mesh, *model.energy_model)->rows_at(at.point_m), model.energy_model->patch);
     const NodeColumns rest = NodeColumns::Zero(mesh.node_count(), 3);
     CHECK(tool.energy_J(push, rest) == Approx(trained.load(push, Eigen::VectorXd::Zero(trained.rows.pull.cols())).energy_J).epsilon(1e-9));
-    const ContactSpring unclamped(make_contact_kernel(mesh, *free.energy_law)->rows_at(at.point_m), free.energy_law->patch);
+    const ContactSpring unclamped(make_contact_kernel(mesh, *free.energy_model)->rows_at(at.point_m), free.energy_model->patch);
     CHECK(unclamped.k_N_m[0] == Approx(trained.k_N_m[0] * std::exp(1.5 * 0.4 + 0.3)));
 
     CHECK(HapticModel(model, {}).fingerprint == HapticModel(back, {}).fingerprint);
     CHECK(HapticModel(model, {}).fingerprint != HapticModel(free, {}).fingerprint);
 }
 
-TEST_CASE("in space every spring of the tick pulls as its law says, whatever order the lattice's nodes are in", "[solid][dynamics]") {
+TEST_CASE("in space spring forces in the tick equal those of the spring law for any order of lattice nodes", "[solid][dynamics]") {
     const SpringMesh lattice = embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}});
     for (const bool shuffled : {false, true}) {
         SpringMesh mesh = lattice;
@@ -177,11 +179,11 @@ TEST_CASE("in space every spring of the tick pulls as its law says, whatever ord
         masses.head(own).setZero();
         const SpringCurve curve = shuffled ? SpringCurve() : SpringCurve::mooney_rivlin(0.3, 3);
         const RealtimeMesh springs(mesh, curve, masses);
-        CHECK(springs.bands().size() >= 13);  // as many directions
+        CHECK(springs.bands().size() >= 13);  // one per direction
         for (const RealtimeMesh::Band& band : springs.bands()) CHECK(band.alike);
         Eigen::VectorXd theta = mesh.incident_measure * 1e6;
         for (Eigen::Index s = 0; s < theta.size(); ++s) theta[s] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(s));
-        const NodeField u = scattered(mesh, 4e-3);  // some are shorter than where their curve goes straight on
+        const NodeField u = scattered(mesh, 4e-3);  // some springs are so short that their curve is linear
         const auto law = make_turning_law(curve);
         const Eigen::VectorXd expected = law->force_matrix(mesh, u) * theta;
         NodeColumns f = NodeColumns::Zero(N, 3), u_by_row = NodeColumns::Zero(springs.rows().count(), 3), f_by_row = u_by_row;
@@ -194,17 +196,18 @@ TEST_CASE("in space every spring of the tick pulls as its law says, whatever ord
         const SparseMatrix K = law->stiffness(mesh, theta, NodeField::Zero(N, 3));
         CHECK((springs.stiffness_at_rest(springs.to_slots(theta)) - K).norm() < 1e-13 * K.norm());
         const Eigen::VectorXd exact = eigenvalues(springs, K);
-        CHECK(largest_eigenvalue(springs, springs.to_slots(theta)) >= exact[exact.size() - 1]);  // the isotropic bound
+        // bound by isotropic springs
+        CHECK(largest_eigenvalue(springs, springs.to_slots(theta)) >= exact[exact.size() - 1]);
     }
 }
 
-TEST_CASE("in space a law's undamped step keeps its energy within a band, without drift", "[solid][law][long]") {
+TEST_CASE("in space undamped steps of an energy model keep energy within a band without drift", "[solid][law][long]") {
     for (const SpringMesh& mesh : meshes()) {
         const TissueModel model = solid_law_example(mesh);
         const RealtimeMesh springs = springs_of(model);
-        const RealtimeLaw law(model, springs);
-        const double fastest = std::sqrt(largest_eigenvalue(springs, TissueEnergy(mesh, *model.energy_law).tangent(model.energy_law->constants, NodeField::Zero(mesh.node_count(), 3))));
-        const int substeps = law_substeps(fastest * fastest, 1e-3);
+        const RealtimeEnergyModel law(model, springs);
+        const double fastest = std::sqrt(largest_eigenvalue(springs, TissueEnergy(mesh, *model.energy_model).tangent(model.energy_model->constants, NodeField::Zero(mesh.node_count(), 3))));
+        const int substeps = energy_model_substeps(fastest * fastest, 1e-3);
         const auto dynamics = make_dynamics("symplectic", springs, {1e-3 / substeps, 0, &law});
         MeshState state(springs, Eigen::VectorXd::Zero(springs.slot_count()));
         state.velocity = scattered(mesh, 0.1);
@@ -227,22 +230,22 @@ TEST_CASE("in space a law's undamped step keeps its energy within a band, withou
     }
 }
 
-TEST_CASE("in space a law's spectrum is that of its tangents, at rest and pressed with its disc", "[solid][law][long]") {
+TEST_CASE("in space the spectrum of an energy model is that of its tangents at rest and indented by its disc", "[solid][law][long]") {
     const TissueModel model = solid_example();
     const SpringMesh& mesh = model.mesh;
     const RealtimeMesh springs = springs_of(model);
-    const LawSpectrum spectrum = law_spectrum(model, springs);
-    const LawModel& law = *model.energy_law;
+    const EnergyModelSpectrum spectrum = energy_model_spectrum(model, springs);
+    const EnergyModel& law = *model.energy_model;
     const TissueEnergy energy(mesh, law);
     const Eigen::VectorXd rest = eigenvalues(springs, energy.tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)));
     CHECK(spectrum.smallest == Approx(rest[0]).epsilon(1e-6));
     CHECK(spectrum.largest > 1.005 * rest[rest.size() - 1]);
 
-    // presses at places of its own choice, as deep as the deepest load case
+    // Indentations at other places, as deep as the deepest load case.
     const auto kernel = make_contact_kernel(mesh, law.disc_radius_m, law.disc);
     const FreeSurface surface(mesh);
-    PressSolver solver(energy, *kernel);
-    const auto largest_under = [&](const ContactSpring& contact, const PressState& state) {
+    EquilibriumSolver solver(energy, *kernel);
+    const auto largest_under = [&](const ContactSpring& contact, const EquilibriumState& state) {
         Eigen::MatrixXd K = energy.tangent(law.constants, state.displacement);
         const Eigen::MatrixXd own = contact.tangent(state.push_m, contact.gather(state.displacement));
         for (std::size_t i = 0; i < contact.rows.nodes.size(); ++i)
@@ -254,53 +257,53 @@ TEST_CASE("in space a law's spectrum is that of its tangents, at rest and presse
     for (const Point& point : surface.points(2)) {
         const FreeSurface::Place place = surface.nearest(point);
         const ContactSpring contact(kernel->rows_at(place.point_m), law.patch);
-        const PressState state = solver.press(law.constants, contact, model.magnitude_m.maxCoeff() * place.inward);
-        if (state.status != PressStatus::lost) stiffest = std::max(stiffest, largest_under(contact, state));
+        const EquilibriumState state = solver.press(law.constants, contact, model.magnitude_m.maxCoeff() * place.inward);
+        if (state.status != SolverStatus::no_equilibrium) stiffest = std::max(stiffest, largest_under(contact, state));
     }
-    INFO("rest " << std::sqrt(rest[rest.size() - 1]) << ", pressed " << std::sqrt(stiffest) << ", said " << std::sqrt(spectrum.largest));
+    INFO("rest " << std::sqrt(rest[rest.size() - 1]) << ", indented " << std::sqrt(stiffest) << ", computed " << std::sqrt(spectrum.largest));
     CHECK(stiffest > 1.01 * rest[rest.size() - 1]);
     CHECK(spectrum.largest > 0.985 * stiffest);
     CHECK(spectrum.largest < 1.01 * stiffest);
 
     TissueModel hard = model;  // a contact far stiffer than the tissue
-    hard.energy_law->patch.log_N_m.col(0).head<4>().array() += 5;
-    CHECK(law_spectrum(hard, springs).largest > 1.5 * rest[rest.size() - 1]);
+    hard.energy_model->patch.log_N_m.col(0).head<4>().array() += 5;
+    CHECK(energy_model_spectrum(hard, springs).largest > 1.5 * rest[rest.size() - 1]);
 
-    // a contact that softens under the press is stiffest at first touch
+    // A contact that softens under indentation is stiffest at first touch.
     TissueModel soft = hard;
-    soft.energy_law->patch.log_N_m.col(0).head<2>().array() += 1;
-    soft.energy_law->patch.softens = true;
-    soft.energy_law->patch.log_N_m(PatchLaw::hardening_row, 0) = 12;
+    soft.energy_model->patch.log_N_m.col(0).head<2>().array() += 1;
+    soft.energy_model->patch.curve = ContactCurve::softens;
+    soft.energy_model->patch.log_N_m(ContactParameters::hardening_row, 0) = 12;
     double first_touch = 0;
-    PressState untouched;
+    EquilibriumState untouched;
     untouched.displacement = NodeField::Zero(mesh.node_count(), 3);
     untouched.push_m = Point::Zero(3);
-    for (const Point& point : surface.points(2)) first_touch = std::max(first_touch, largest_under(ContactSpring(kernel->rows_at(surface.nearest(point).point_m), soft.energy_law->patch), untouched));
-    CHECK(law_spectrum(soft, springs).largest > 0.985 * first_touch);
+    for (const Point& point : surface.points(2)) first_touch = std::max(first_touch, largest_under(ContactSpring(kernel->rows_at(surface.nearest(point).point_m), soft.energy_model->patch), untouched));
+    CHECK(energy_model_spectrum(soft, springs).largest > 0.985 * first_touch);
 
-    // of presses that are lost it is as far as they came
+    // Indentations without equilibrium count as far as they came.
     TissueModel lost = model;
     lost.magnitude_m *= 200;
     const FreeSurface::Place first = surface.nearest(surface.points(2)[0]);
-    const PressState as_far = solver.press(law.constants, ContactSpring(kernel->rows_at(first.point_m), law.patch), lost.magnitude_m.maxCoeff() * first.inward);
-    REQUIRE(as_far.status == PressStatus::lost);
-    INFO(law_spectrum(lost, springs).static_N_m << ' ' << as_far.contact_force_N.norm() / as_far.push_m.norm());
-    CHECK(law_spectrum(lost, springs).static_N_m > 0.5 * as_far.contact_force_N.norm() / as_far.push_m.norm());
+    const EquilibriumState as_far = solver.press(law.constants, ContactSpring(kernel->rows_at(first.point_m), law.patch), lost.magnitude_m.maxCoeff() * first.inward);
+    REQUIRE(as_far.status == SolverStatus::no_equilibrium);
+    INFO(energy_model_spectrum(lost, springs).static_N_m << ' ' << as_far.contact_force_N.norm() / as_far.push_m.norm());
+    CHECK(energy_model_spectrum(lost, springs).static_N_m > 0.5 * as_far.contact_force_N.norm() / as_far.push_m.norm());
 }
 
-TEST_CASE("in space springs that do not turn are refused, and cubes in no order", "[solid][law]") {
+TEST_CASE("in space springs that do not turn and steps that do not fit and unordered cubes are refused", "[solid][law]") {
     const TissueModel model = solid_law_example(meshes().front());
     for (const char* law : {"axial", "isotropic"})
         CHECK_THAT(refusal<MismatchError>([&] { RealtimeMesh(model.mesh, law, model.node_mass_kg); }), Contains("geometric"));
     const TissueModel embedded = solid_law_example(embedded_lattice(dome(6), 0.011));
     const RealtimeMesh its = springs_of(embedded);
-    CHECK_THAT(refusal<MismatchError>([&] { make_dynamics("symplectic", its, {1e-3, 0, nullptr}); }), Contains("by its law alone"));
+    CHECK_THAT(refusal<MismatchError>([&] { make_dynamics("symplectic", its, {1e-3, 0, nullptr}); }), Contains("needs an energy model"));
     const RealtimeMesh springs = springs_of(model);
     for (const char* name : {"implicit", "paper"})
-        CHECK_THAT(refusal<MismatchError>([&] { const RealtimeLaw law(model, springs); make_dynamics(name, springs, {1e-3, 1, &law}); }), Contains(name));
+        CHECK_THAT(refusal<MismatchError>([&] { const RealtimeEnergyModel law(model, springs); make_dynamics(name, springs, {1e-3, 1, &law}); }), Contains(name));
 
     TissueModel other = model;
     other.mesh.embedding.cubes.row(3).swap(other.mesh.embedding.cubes.row(4));
     const RealtimeMesh elsewhere = springs_of(other);
-    CHECK_THAT(refusal<MismatchError>([&] { RealtimeLaw(other, elsewhere); }), Contains("cube 4 does not follow the one before"));
+    CHECK_THAT(refusal<MismatchError>([&] { RealtimeEnergyModel(other, elsewhere); }), Contains("cube 4 is not in order after the one before"));
 }

@@ -1,4 +1,4 @@
-// The tick of a law that relaxes: element by element, at once and after long, in the plane and in space.
+// The tick of an energy model that relaxes: per element, instantaneous and long-term, in the plane and in space.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -9,11 +9,11 @@
 #include "../mesh/dome.h"
 #include "mesh/embedded_lattice.h"
 #include "../solid_law_example.h"
-#include "haptic/realtime_law.h"
+#include "haptic/realtime_energy_model.h"
 #include "haptic/simulation.h"
 #include "haptic_example.h"
 #include "mesh/free_surface.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "springs/tissue_energy.h"
 
 using namespace tissue;
@@ -22,14 +22,14 @@ namespace {
 
 const Eigen::Vector3d branch_times(0.004, 0.05, 2);
 
-/// Every element with constants and shares of its own.
+/// Every element with its own constant and relative moduli.
 TissueModel unevenly_relaxing(TissueModel model) {
-    Relaxation& r = model.energy_law->relaxation;
-    const Eigen::Index E = model.energy_law->constants.size();
+    Relaxation& r = model.energy_model->relaxation;
+    const Eigen::Index E = model.energy_model->constants.size();
     r.tau_s = branch_times;
     r.share.resize(E, 3);
     for (Eigen::Index e = 0; e < E; ++e) {
-        model.energy_law->constants[e] *= 1 + 0.2 * std::sin(1.3 * static_cast<double>(e));
+        model.energy_model->constants[e] *= 1 + 0.2 * std::sin(1.3 * static_cast<double>(e));
         for (int k = 0; k < 3; ++k) r.share(e, k) = 0.2 + 0.1 * std::sin(0.7 * static_cast<double>(e) + k);
     }
     r.share.bottomRows(model.mesh.support_count()).setZero();  // supports do not relax
@@ -42,36 +42,37 @@ std::vector<TissueModel> models() {
     std::vector<TissueModel> all;
     for (const SpringMesh& mesh : {make_lattice("grid8", 10, 10, 0.1, 0.1), make_lattice("grid8", 4, 7, 0.06, 0.1), edge_mesh(disc(24))})
         all.push_back(unevenly_relaxing(law_example(mesh)));
-    for (const std::size_t k : {1, 2}) all[k].energy_law->curve = SpringCurve::mooney_rivlin(0.6, 2, 0.9, 1.05);  // those in space have a curve too
+    // the models in space have a curve as well
+    for (const std::size_t k : {1, 2}) all[k].energy_model->curve = SpringCurve::mooney_rivlin(0.6, 2, 0.9, 1.05);
     for (const SpringMesh& mesh : {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}) all.push_back(unevenly_relaxing(solid_law_example(mesh)));
     return all;
 }
 
-/// What one element stores per unit of its constant.
+/// Energy of one element per unit of its constant.
 double unit_energy(const TissueEnergy& energy, Eigen::Index element, const NodeField& u) {
     std::size_t kind = 0;
     while (element >= energy.first_of(kind) + energy.kinds()[kind]->count()) ++kind;
     return energy.kinds()[kind]->energy(static_cast<int>(element - energy.first_of(kind)), u);
 }
 
-RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_law->curve, model.node_mass_kg}; }
+RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_model->curve, model.node_mass_kg}; }
 
 }  // namespace
 
-TEST_CASE("each element of a law that relaxes pulls with what its own branches make of its own measure", "[law][memory]") {
+TEST_CASE("the force of each relaxing element follows from its own Maxwell branches and its own strain measure", "[law][memory]") {
     for (const TissueModel& model : models()) {
         const int D = model.mesh.dimension();
         const RealtimeMesh springs = springs_of(model);
-        const RealtimeLaw law(model, springs);
-        const TissueEnergy energy(model.mesh, *model.energy_law);
+        const RealtimeEnergyModel law(model, springs);
+        const TissueEnergy energy(model.mesh, *model.energy_model);
         const Eigen::Index E = energy.constant_count();
         const NodeField shape = scattered(model.mesh, 1e-4);
         const double dt = 0.002;
         BranchMemory memory = law.memory(dt);
         CHECK(memory.size() >= E - model.mesh.support_count());
         NodeColumns f(model.mesh.node_count(), D);
-        RealtimeLaw::Scratch scratch = law.scratch();
-        // with all of a field growing and shrinking together, a measure is the root of its own energy
+        RealtimeEnergyModel::Scratch scratch = law.scratch();
+        // The whole field grows and shrinks together, so that x = sqrt(2 energy of the element).
         Eigen::VectorXd before = Eigen::VectorXd::Zero(E);
         Eigen::MatrixXd part = Eigen::MatrixXd::Zero(E, 3);
         NodeField expected;
@@ -82,10 +83,10 @@ TEST_CASE("each element of a law that relaxes pulls with what its own branches m
             Eigen::VectorXd scale(E);
             stored = 0;
             for (Eigen::Index e = 0; e < E; ++e) {
-                const double x = std::sqrt(2 * std::max(0.0, model.energy_law->constants[e] * unit_energy(energy, e, u)));
-                double y = x * (1 - model.energy_law->relaxation.share.row(e).sum()), twice = y * x;
+                const double x = std::sqrt(2 * std::max(0.0, model.energy_model->constants[e] * unit_energy(energy, e, u)));
+                double y = x * (1 - model.energy_model->relaxation.share.row(e).sum()), twice = y * x;
                 for (int k = 0; k < 3; ++k) {
-                    const double tau = branch_times[k], decay = std::exp(-dt / tau), g = model.energy_law->relaxation.share(e, k);
+                    const double tau = branch_times[k], decay = std::exp(-dt / tau), g = model.energy_model->relaxation.share(e, k);
                     part(e, k) = decay * part(e, k) + (1 - decay) * tau / dt * (x - before[e]);
                     y += g * part(e, k);
                     twice += g * part(e, k) * part(e, k);
@@ -94,11 +95,12 @@ TEST_CASE("each element of a law that relaxes pulls with what its own branches m
                 scale[e] = x > 0 ? y / x : 0;
                 stored += twice / 2;
             }
-            expected = energy.force(model.energy_law->constants.cwiseProduct(scale), u);
+            expected = energy.force(model.energy_model->constants.cwiseProduct(scale), u);
         }
         INFO(model.mesh.topology << ", " << E << " elements");
-        CHECK((f - NodeColumns(expected)).norm() <= 5e-5 * expected.norm());  // an element here and there shrinks first, and grows then
-        // a step on from what memory has seen, to the same place: what is stored has only relaxed
+        // a few elements first shrink and then grow
+        CHECK((f - NodeColumns(expected)).norm() <= 5e-5 * expected.norm());
+        // One step after the state in `memory`, at the same displacement: the stored energy has only relaxed.
         BranchMemory still = memory;
         const double later = law.energy(NodeColumns((0.6 + 0.4 * std::sin(0.9 * 12)) * shape), still);
         CHECK(later < stored * (1 + 1e-9));
@@ -114,19 +116,19 @@ TEST_CASE("each element of a law that relaxes pulls with what its own branches m
     }
 }
 
-TEST_CASE("a law that relaxes is its instantaneous self at once, and its long-term self after long", "[law][memory]") {
+TEST_CASE("an energy model that relaxes equals its instantaneous model after 1 ns and its long-term model after 60 s", "[law][memory]") {
     for (const TissueModel& model : models()) {
         const RealtimeMesh springs = springs_of(model);
-        const RealtimeLaw law(model, springs);
+        const RealtimeEnergyModel law(model, springs);
         TissueModel later = model;
-        later.energy_law = long_term(*model.energy_law);
-        const RealtimeLaw rest(later, springs);
-        CHECK(later.energy_law->relaxation.empty());
+        later.energy_model = long_term(*model.energy_model);
+        const RealtimeEnergyModel rest(later, springs);
+        CHECK(later.energy_model->relaxation.empty());
         CHECK(law.slowest_s() == 2);
         CHECK(rest.slowest_s() == 0);
         const NodeColumns u = scattered(model.mesh, 2e-3);
         NodeColumns f(u.rows(), u.cols()), now = f;
-        RealtimeLaw::Scratch scratch = law.scratch();
+        RealtimeEnergyModel::Scratch scratch = law.scratch();
         law.force(u, now, scratch);
         BranchMemory quick = law.memory(1e-9);
         law.force(u, f, scratch, quick);
@@ -137,7 +139,7 @@ TEST_CASE("a law that relaxes is its instantaneous self at once, and its long-te
         rest.force(u, now, scratch);
         CHECK((f - now).norm() < 1e-10 * now.norm());
         CHECK(law.energy(u, memory) == Approx(rest.energy(u)).epsilon(1e-9));
-        // so does its contact
+        // the contact likewise
         ToolSpring tool, left;
         law.contact(0, Eigen::Vector3d(0.5, 0.5, 0), {}, tool);
         rest.contact(0, Eigen::Vector3d(0.5, 0.5, 0), {}, left);
@@ -145,13 +147,13 @@ TEST_CASE("a law that relaxes is its instantaneous self at once, and its long-te
         Point push = 0.002 * tool.inward();
         push[0] += 0.001;
         for (int n = 0; n < 60; ++n) tool.remember(push, u, of_tool);
-        CHECK((tool.hand_N(push, u, &of_tool) - left.hand_N(push, u)).norm() < 1e-10 * left.hand_N(push, u).norm());
+        CHECK((tool.tool_force_N(push, u, &of_tool) - left.tool_force_N(push, u)).norm() < 1e-10 * left.tool_force_N(push, u).norm());
     }
 }
 
 namespace {
 
-/// A model's learned mesh under a tool that is held where it is told to be.
+/// A model's learned mesh under a tool with prescribed displacements.
 struct HeldTool {
     explicit HeldTool(const TissueModel& model, double damping_1_s = 0)
         : springs(springs_of(model)), law(model, springs), dynamics(make_dynamics("symplectic", springs, {dt / substeps, damping_1_s, &law})),
@@ -169,7 +171,7 @@ struct HeldTool {
     static constexpr double dt = 1e-3;
     static constexpr int substeps = 3;
     RealtimeMesh springs;
-    RealtimeLaw law;
+    RealtimeEnergyModel law;
     std::unique_ptr<Dynamics> dynamics;
     MeshState state;
     ToolSpring tool;
@@ -178,7 +180,7 @@ struct HeldTool {
 
 }  // namespace
 
-TEST_CASE("tissue that relaxes never gives the hand more than it was given, but for the sampled coupling, and keeps a good part", "[law][memory]") {
+TEST_CASE("tissue that relaxes returns at most the hand's work plus the sampled coupling and keeps over a fifth", "[law][memory]") {
     for (const bool solid : {false, true}) {
         const TissueModel model = relaxing(solid ? solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})) : law_example());
         const FreeSurface surface(model.mesh);
@@ -209,23 +211,24 @@ TEST_CASE("tissue that relaxes never gives the hand more than it was given, but 
             most = std::max(most, work);
             least = std::min(least, work + sampled);
         }
-        INFO((solid ? "solid" : "plane") << ": given " << 1e3 * most << " mJ at most, kept " << 1e3 * work << ", sampled " << 1e3 * sampled);
+        INFO((solid ? "solid" : "plane") << ": given " << 1e3 * most << " mJ at most, not returned " << 1e3 * work << ", sampled " << 1e3 * sampled);
         CHECK(most > 1e-4);
         CHECK(least >= 0);
         CHECK(work > 0.2 * most);
         CHECK(work < most);
-        // most of what was kept has gone to heat in the elements' branches, some in the contact's and in damping
-        const BranchBook book = held.law.branches(held.state.memory);
+        // Part of the lost energy is dissipated in the elements' branches, the rest in the contact's branches and by
+        // damping.
+        const BranchEnergies book = held.law.branches(held.state.memory);
         INFO("branches store " << 1e3 * book.stored_J << " mJ, have dissipated " << 1e3 * book.dissipated_J);
         CHECK(book.dissipated_J > 0.3 * work);
         CHECK(book.dissipated_J + book.stored_J < work + sampled);
     }
 }
 
-TEST_CASE("pressed and held, tissue that relaxes comes to rest at its long-term answer, and its imprint goes once the tool is away", "[law][memory]") {
+TEST_CASE("held tissue that relaxes settles at its long-term equilibrium and its imprint fades after withdrawal", "[law][memory]") {
     const TissueModel model = relaxing(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)));
     TissueModel later = model;
-    later.energy_law = long_term(*model.energy_law);
+    later.energy_model = long_term(*model.energy_model);
     HapticOptions o;
     o.heuristic_mesh = false;
     const HapticModel haptic(model, o);
@@ -236,7 +239,7 @@ TEST_CASE("pressed and held, tissue that relaxes comes to rest at its long-term 
         if (k == 200) first = s.record().coupling_N.norm();
     }
     REQUIRE(s.record().mesh == 0);
-    const Equilibrium rest = LawPress(later).at(Eigen::Vector2d(0.047, 0.1), Eigen::Vector2d(0, -0.006));
+    const Equilibrium rest = IndentationSolver(later).at(Eigen::Vector2d(0.047, 0.1), Eigen::Vector2d(0, -0.006));
     REQUIRE(rest);
     const Eigen::Vector2d force = -s.record().coupling_N;
     INFO("after 0.2 s " << first << " N, after 100 s " << force.norm());
@@ -248,7 +251,8 @@ TEST_CASE("pressed and held, tissue that relaxes comes to rest at its long-term 
     CHECK(s.record().mesh == -1);
     const double soon = s.state(0).displacement.cwiseAbs().maxCoeff();
     for (int k = 0; k < 100000; ++k) s.tick(sample_at(0.047, 0.109));
-    CHECK(soon > 0.2 * imprint);  // it takes time
-    CHECK(s.state(0).displacement.cwiseAbs().maxCoeff() < 0.01 * imprint);  // creep is slower than relaxation: 0.2 % are left
+    CHECK(soon > 0.2 * imprint);  // recovery takes time
+    // creep is slower than relaxation: 0.2 % are left
+    CHECK(s.state(0).displacement.cwiseAbs().maxCoeff() < 0.01 * imprint);
     CHECK(s.counters().unstable == 0);
 }

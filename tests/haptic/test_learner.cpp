@@ -16,12 +16,12 @@
 #include "../solid_law_example.h"
 #include "../solid_shape_study.h"
 #include "error.h"
-#include "haptic/hidden_tissue.h"
-#include "haptic/realtime_law.h"
+#include "haptic/target_tissue.h"
+#include "haptic/realtime_energy_model.h"
 #include "haptic/virtual_device.h"
 #include "mesh/embedded_lattice.h"
 #include "haptic_example.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -33,7 +33,7 @@ constexpr double most = 1.5;
 AdaptOptions live() {
     AdaptOptions options;
     options.largest = most;
-    options.place_error_m = 1e-3;  // both tissues swing as they are touched, and are not at the same place
+    options.place_error_m = 1e-3;  // both tissues oscillate when they are touched, and are not at the same place
     return options;
 }
 
@@ -44,14 +44,15 @@ HapticOptions options_for_learning() {
     return options;
 }
 
-/// A session without a clock: a law that learns from a hand which probes a hidden tissue.
+/// A session whose ticks follow one another without waiting: an energy model adapts to a hand that probes a target
+/// tissue.
 struct Session {
     TissueModel law;
     HapticModel model;
     Simulation simulation;
     Adaptation adaptation;
     Learner learner;
-    HiddenTissue device;
+    TargetTissue device;
     long long tick = 0;
 
     Session(const TissueModel& base, const TissueModel& truth, const std::vector<Waypoint>& motion)
@@ -60,22 +61,22 @@ struct Session {
     Session(const TissueModel& base, const TissueModel& truth, double seconds, unsigned long seed = 3)
         : Session(base, truth, make_motion({"probe", seconds, 0.006, seed, &base.mesh})) {}
 
-    /// One tick, as run_loop has it.
+    /// One tick, as in run_loop.
     void step() {
         learner.before(simulation);
         const DeviceSample sample = device.read(1e-3 * static_cast<double>(tick));
         device.write(simulation.tick(sample));
-        TickBooks books;
+        TickStatistics books;
         books.time_s = 1e-3 * static_cast<double>(tick++);
         learner.after(simulation, books);
     }
-    /// As much time for the learner as the clock would have given it.
+    /// Waits until the learner has processed so many measurements, up to some 20 s.
     void wait(long long lines) {
         for (int k = 0; k < 20000 && adaptation_lines < lines; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         REQUIRE(adaptation_lines >= lines);
     }
     std::atomic<long long> adaptation_lines{0};
-    std::vector<Poke> pokes;  ///< of those lines; the learner's, until it stops
+    std::vector<ForceMeasurement> pokes;  ///< of those lines; used by the learner's thread until it stops
     void keep_lines() {
         learner.on_line(
             [](const Learner::Line& line, const Adaptation&, void* with) {
@@ -88,27 +89,27 @@ struct Session {
 
 }  // namespace
 
-TEST_CASE("a law that becomes another has the forces of one that was made so, and allocates nothing", "[adapt][law]") {
+TEST_CASE("an energy model with replaced stiffness has the forces of one made with it and allocates nothing", "[adapt][law]") {
     const SpringMesh shape = embedded_lattice(dome(6), 0.011);
     for (const TissueModel& model : {law_example(), solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})), solid_law_example(shape)}) {
         Draw draw(5);
         TissueModel other = model;
-        for (double& c : other.energy_law->constants) c *= draw(0.3, 3);
-        other.energy_law->contact_log_scale.resize(model.mesh.node_count());
-        for (double& s : other.energy_law->contact_log_scale) s = draw(-1, 1);
-        other.energy_law->patch.log_N_m(0, 0) += 0.3;
-        const RealtimeMesh springs(model.mesh, model.energy_law->curve, model.node_mass_kg);
-        RealtimeLaw law(model, springs);
-        const RealtimeLaw wanted(other, springs);
+        for (double& c : other.energy_model->constants) c *= draw(0.3, 3);
+        other.energy_model->contact_log_scale.resize(model.mesh.node_count());
+        for (double& s : other.energy_model->contact_log_scale) s = draw(-1, 1);
+        other.energy_model->patch.log_N_m(0, 0) += 0.3;
+        const RealtimeMesh springs(model.mesh, model.energy_model->curve, model.node_mass_kg);
+        RealtimeEnergyModel law(model, springs);
+        const RealtimeEnergyModel wanted(other, springs);
         {
-            const LawStiffness& stiffness = wanted.stiffness();
+            const EnergyModelStiffness& stiffness = wanted.stiffness();
             const Allocations none;
             law.become(stiffness);
             CHECK(Allocations::count() == 0);
         }
         const NodeColumns u = scattered(model.mesh, 1e-3);
         NodeColumns f = u, g = u;
-        RealtimeLaw::Scratch scratch = law.scratch();
+        RealtimeEnergyModel::Scratch scratch = law.scratch();
         law.force(u, f, scratch);
         wanted.force(u, g, scratch);
         CHECK((f - g).norm() < 1e-12 * g.norm());
@@ -116,11 +117,11 @@ TEST_CASE("a law that becomes another has the forces of one that was made so, an
         law.contact(3, Eigen::Vector3d::Constant(1.0 / 3), {}, a);
         wanted.contact(3, Eigen::Vector3d::Constant(1.0 / 3), {}, b);
         const Point push = Point::Constant(model.mesh.dimension(), 1e-3);
-        CHECK((a.hand_N(push, u) - b.hand_N(push, u)).norm() < 1e-12 * b.hand_N(push, u).norm());
+        CHECK((a.tool_force_N(push, u) - b.tool_force_N(push, u)).norm() < 1e-12 * b.tool_force_N(push, u).norm());
     }
 }
 
-TEST_CASE("while it plays a law becomes the tissue that the hand feels, and force never jumps", "[adapt][long]") {
+TEST_CASE("in a session an energy model adapts to the target tissue and the force never jumps by 0.02 N", "[adapt][long]") {
     const TissueModel law = law_example(), truth = stiffer(law, 0.5);
     Session s(law, truth, 16);
     s.keep_lines();
@@ -135,7 +136,8 @@ TEST_CASE("while it plays a law becomes the tissue that the hand feels, and forc
         largest_step = std::max(largest_step, std::abs(s.simulation.law()->stiffness().constants[0] / before - 1));
         const TickRecord& tick = s.simulation.record();
         stood = tick.device_m == stood_m ? stood + 1 : 0;
-        if (stood > 600) largest_jump = std::max(largest_jump, rise_N(last, tick.device_N));  // the tissue has come to rest under the tool, and only the law changes
+        // the tissue rests under the tool, and only the model changes
+        if (stood > 600) largest_jump = std::max(largest_jump, rise_N(last, tick.device_N));
         last = tick.device_N;
         stood_m = tick.device_m;
         CHECK_FALSE(!last.allFinite());
@@ -150,15 +152,15 @@ TEST_CASE("while it plays a law becomes the tissue that the hand feels, and forc
     CHECK(largest_step <= LearnerOptions().step * (1 + 1e-9));
     CHECK(largest_step > 0);
     CHECK(s.learner.arrived());
-    // what plays is what was learned, and near the truth
+    // The model in the session is the adapted one, and near the target tissue.
     CHECK((s.simulation.law()->stiffness().constants - s.adaptation.law().constants).norm() == 0);
-    const std::vector<Poke> held_out = pokes_of(truth, 20, 9);
+    const std::vector<ForceMeasurement> held_out = pokes_of(truth, 20, 9);
     INFO("evidence " << s.adaptation.state().evidence << ", scale " << s.adaptation.state().scale << ", learned " << s.adaptation.state().learned);
     CHECK(worst_error(law, held_out) > 0.35);
     CHECK(worst_error(s.adaptation.model(), held_out) < 0.2);
 }
 
-TEST_CASE("a tick beside the learner allocates nothing", "[adapt]") {
+TEST_CASE("a tick during adaptation allocates nothing", "[adapt]") {
     const TissueModel law = law_example();
     Session s(law, stiffer(law, 0.4), 4);
     s.keep_lines();
@@ -168,17 +170,17 @@ TEST_CASE("a tick beside the learner allocates nothing", "[adapt]") {
     long allocated = 0;
     {
         const Allocations none;
-        for (int k = 0; k < 50; ++k) s.step();  // it is on its way to what was learned
+        for (int k = 0; k < 50; ++k) s.step();  // the model is still moving to the adapted one
         allocated = Allocations::count();
     }
     CHECK(allocated == 0);
 }
 
-TEST_CASE("tissue that relaxes is read through its branches", "[adapt][memory][long]") {
+TEST_CASE("adaptation to tissue that relaxes improves its instantaneous forces and can be repeated from its measurements", "[adapt][memory][long]") {
     const TissueModel law = relaxing(law_example());
     TissueModel truth = law;
-    truth.energy_law->constants *= std::exp(0.4);
-    truth.energy_law->contact_log_scale = Eigen::VectorXd::Constant(law.mesh.node_count(), 0.4);
+    truth.energy_model->constants *= std::exp(0.4);
+    truth.energy_model->contact_log_scale = Eigen::VectorXd::Constant(law.mesh.node_count(), 0.4);
     Session s(law, truth, 8);
     s.keep_lines();
     long long readings = 0;
@@ -188,19 +190,19 @@ TEST_CASE("tissue that relaxes is read through its branches", "[adapt][memory][l
     }
     s.learner.stop();
     REQUIRE(s.adaptation.state().learned >= 2);
-    Adaptation again(law, live());  // from the journal
-    for (const Poke& poke : s.pokes) again.learn(poke);
+    Adaptation again(law, live());  // from the measurements
+    for (const ForceMeasurement& poke : s.pokes) again.learn(poke);
     CHECK(again.state().learned == s.adaptation.state().learned);
     CHECK(again.state().x == s.adaptation.state().x);
     TissueModel at_once = s.adaptation.model(), wanted = truth;
-    at_once.energy_law = instantaneous(*at_once.energy_law);
-    wanted.energy_law = instantaneous(*wanted.energy_law);
-    const std::vector<Poke> held_out = pokes_of(wanted, 12, 9);
+    at_once.energy_model = instantaneous(*at_once.energy_model);
+    wanted.energy_model = instantaneous(*wanted.energy_model);
+    const std::vector<ForceMeasurement> held_out = pokes_of(wanted, 12, 9);
     CHECK(worst_error(law, held_out) > 0.3);
     CHECK(worst_error(at_once, held_out) < 0.15);
 }
 
-TEST_CASE("a law that becomes stiffer under a held contact has the force of one that was so from the beginning", "[adapt][memory]") {
+TEST_CASE("a model stiffened during a contact has the force of one that was stiffer from the start", "[adapt][memory]") {
     const TissueModel law = relaxing(law_example()), other = stiffer(law, 0.5);
     HapticModel changes(law, options_for_learning()), was(other, options_for_learning());
     Simulation a(changes), b(was);
@@ -213,8 +215,8 @@ TEST_CASE("a law that becomes stiffer under a held contact has the force of one 
     };
     press(0, 1500);
     const double before_N = a.record().coupling_N.norm();
-    a.law()->become(RealtimeLaw(other, changes.meshes[0]->springs).stiffness());
-    a.law_changed();
+    a.law()->become(RealtimeEnergyModel(other, changes.meshes[0]->springs).stiffness());
+    a.energy_model_changed();
     press(1500, 1900);
     const double force_N = a.record().coupling_N.norm(), wanted_N = b.record().coupling_N.norm();
     INFO("before " << before_N << " N, " << force_N << " N, wanted " << wanted_N << " N");
@@ -222,7 +224,7 @@ TEST_CASE("a law that becomes stiffer under a held contact has the force of one 
     CHECK(force_N == Approx(wanted_N).epsilon(0.01));
 }
 
-TEST_CASE("a law that becomes stiffer while the mesh beside it is pressed goes on as if it had been so and got as much more force", "[adapt][memory][long]") {
+TEST_CASE("a model stiffened while the mesh beside it is indented moves like one stiffer from the start under more force", "[adapt][memory][long]") {
     const TissueModel law = relaxing(law_example()), other = stiffer(law, std::log(1.5));
     HapticOptions options = options_for_learning();
     options.heuristic_mesh = true;
@@ -241,7 +243,7 @@ TEST_CASE("a law that becomes stiffer while the mesh beside it is pressed goes o
     press(a, -0.004, shallow_m, 3000);
     REQUIRE(a.record().mesh == 1);
     const double force_N = a.record().coupling_N.norm(), at_first_m = a.displacement_at_contact(0).norm();
-    // how deep the tool is where the springs beside answer with half as much more
+    // Depth at which the mesh beside gives 1.5 times the force.
     double low_m = shallow_m, high_m = 3 * shallow_m;
     for (int k = 0; k < 12; ++k) {
         const double middle_m = (low_m + high_m) / 2;
@@ -255,9 +257,9 @@ TEST_CASE("a law that becomes stiffer while the mesh beside it is pressed goes o
     REQUIRE(b.record().coupling_N.norm() == Approx(1.5 * force_N).epsilon(0.01));
     REQUIRE(b.displacement_at_contact(0).norm() == Approx(at_first_m).epsilon(0.01));
 
-    a.law()->become(RealtimeLaw(other, changes.meshes[0]->springs).stiffness());
-    a.law_changed();
-    double now_m = 0, wanted_m = 0;  // mean while it swings
+    a.law()->become(RealtimeEnergyModel(other, changes.meshes[0]->springs).stiffness());
+    a.energy_model_changed();
+    double now_m = 0, wanted_m = 0;  // means during the oscillation
     for (int k = 0; k < 1000; ++k) {
         const double t = std::min(1.0, k / 150.0);
         tick(a, shallow_m);
@@ -270,12 +272,12 @@ TEST_CASE("a law that becomes stiffer while the mesh beside it is pressed goes o
     CHECK(now_m == Approx(wanted_m).epsilon(0.01));
 }
 
-TEST_CASE("tissue that relaxes is read right in a contact during which the law becomes another", "[adapt][memory]") {
+TEST_CASE("measurements of tissue that relaxes are right in a contact during which the model adapts", "[adapt][memory]") {
     const TissueModel law = relaxing(law_example());
     TissueModel truth = law;
-    truth.energy_law->constants *= std::exp(0.9);
-    truth.energy_law->patch.log_N_m.array() += 0.9;
-    // three depths held without letting go
+    truth.energy_model->constants *= std::exp(0.9);
+    truth.energy_model->patch.log_N_m.array() += 0.9;
+    // three depths without a release in between
     std::vector<Waypoint> motion;
     const auto to = [&](double time_s, double y_m) { motion.push_back({time_s, (Point(2) << 0.05, y_m).finished()}); };
     to(0, 0.105);
@@ -295,18 +297,18 @@ TEST_CASE("tissue that relaxes is read right in a contact during which the law b
     s.learner.stop();
     CHECK(s.pokes.size() == 3);
     TissueModel rested = truth;
-    rested.energy_law = long_term(*rested.energy_law);
+    rested.energy_model = long_term(*rested.energy_model);
     CHECK(worst_error(rested, s.pokes) < 0.02);
 }
 
-TEST_CASE("a hand without a sensor, one that moves and one that slips give no reading", "[adapt]") {
+TEST_CASE("a hand without a sensor or in motion gives no measurement and one at rest gives one", "[adapt]") {
     const TissueModel law = law_example();
     HapticModel model(law, options_for_learning());
     Adaptation adaptation(law, live());
     Learner learner(model, adaptation);
     Simulation simulation(model);
     const auto run = [&](bool sensor, double wave_m) {
-        for (int k = 0; k < 5000; ++k) {  // in, there, and out
+        for (int k = 0; k < 5000; ++k) {  // in, at rest, and out
             learner.before(simulation);
             const double depth = std::clamp(1e-5 * std::min(k, 5000 - k) - 0.005, -0.005, 0.005) + wave_m * std::sin(0.05 * k);
             DeviceSample sample = sample_at(0.05, 0.1 - depth);
@@ -320,20 +322,20 @@ TEST_CASE("a hand without a sensor, one that moves and one that slips give no re
     run(true, 1e-3);
     CHECK(learner.readings() == 0);
     run(true, 0);
-    CHECK(learner.readings() == 1);  // one a hold, however long
+    CHECK(learner.readings() == 1);  // one per hold, however long
     learner.stop();
 }
 
-TEST_CASE("a reading is given by the time that the tissue went through, in however many ticks", "[adapt]") {
+TEST_CASE("a measurement takes the same simulated time for any length of ticks", "[adapt]") {
     const TissueModel law = law_example();
     const HapticModel model(law, options_for_learning());
     constexpr double outside_s = 0.2, goes_s = 0.2;
-    for (const double elapsed_s : {2.5e-4, 1e-3, 4e-3, 0.012}) {  // the last ones as of a loop that misses ticks
+    for (const double elapsed_s : {2.5e-4, 1e-3, 4e-3, 0.012}) {  // the last ones as in a loop that misses ticks
         INFO(elapsed_s);
         Adaptation adaptation(law, live());
         Learner learner(model, adaptation);
         Simulation simulation(model);
-        double held_s = 0;  // when the reading came, after the hand was there
+        double held_s = 0;  // time from the end of the hand's motion to the measurement
         for (double time_s = 0; time_s < 3 && learner.readings() == 0; time_s += elapsed_s) {
             learner.before(simulation);
             DeviceSample sample = sample_at(0.05, 0.105 - 0.01 * std::clamp((time_s - outside_s) / goes_s, 0.0, 1.0));
@@ -347,7 +349,7 @@ TEST_CASE("a reading is given by the time that the tissue went through, in howev
     }
 }
 
-TEST_CASE("where ticks have no clock a reading is learned before the next one, however slow that is", "[adapt]") {
+TEST_CASE("without a clock each measurement is adapted to before the next tick however long that takes", "[adapt]") {
     const TissueModel law = law_example();
     const HapticModel model(law, options_for_learning());
     Adaptation adaptation(law, live());
@@ -360,7 +362,7 @@ TEST_CASE("where ticks have no clock a reading is learned before the next one, h
         },
         &lines);
     Simulation simulation(model);
-    TickBooks books;
+    TickStatistics books;
     books.clock = false;
     for (int k = 0; k < 2000; ++k) {
         learner.before(simulation);
@@ -373,7 +375,7 @@ TEST_CASE("where ticks have no clock a reading is learned before the next one, h
     CHECK(lines == 1);
 }
 
-TEST_CASE("a tool that the force limit holds back gives no reading, and the displacement told is its own", "[adapt][hand]") {
+TEST_CASE("a tool at the force limit gives no measurement and its recorded displacement is that of the tool", "[adapt][hand]") {
     const TissueModel law = law_example();
     for (const double most_N : {3.3, 0.05}) {
         HapticOptions options = options_for_learning();
@@ -384,7 +386,7 @@ TEST_CASE("a tool that the force limit holds back gives no reading, and the disp
         Simulation simulation(model);
         constexpr double deep_m = 4e-3;
         const std::vector<Waypoint> motion = {{0, (Point(2) << 0.05, 0.105).finished()}, {0.3, (Point(2) << 0.05, 0.1 - deep_m).finished()}, {4, (Point(2) << 0.05, 0.1 - deep_m).finished()}};
-        HiddenTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), law, options);
+        TargetTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), law, options);
         for (int k = 0; k < 3000; ++k) {
             learner.before(simulation);
             simulation.tick(device.read(1e-3 * k));
@@ -393,7 +395,7 @@ TEST_CASE("a tool that the force limit holds back gives no reading, and the disp
         const bool held_back = most_N < 1;
         CHECK(simulation.held_back() == held_back);
         CHECK(learner.readings() == (held_back ? 0 : 1));
-        CHECK(simulation.record().measured_N.norm() > 0.1);  // the hidden tissue has no force limit
+        CHECK(simulation.record().measured_N.norm() > 0.1);  // the target tissue has no force limit
         CHECK(simulation.record().coupling_N.norm() < 1.0001 * most_N);
         const double tool_m = simulation.record().contact_displacement_m.norm();
         CHECK((held_back ? tool_m < 0.5 * deep_m : std::abs(tool_m - deep_m) < 1e-9));
@@ -401,7 +403,7 @@ TEST_CASE("a tool that the force limit holds back gives no reading, and the disp
     }
 }
 
-TEST_CASE("a session ends though readings wait to be learned: those that take too long are dropped, and said to be", "[adapt]") {
+TEST_CASE("a session ends with measurements in the queue and counts those beyond its patience as dropped", "[adapt]") {
     const TissueModel law = law_example();
     HapticModel model(law, options_for_learning());
     Adaptation adaptation(law, live());
@@ -410,14 +412,14 @@ TEST_CASE("a session ends though readings wait to be learned: those that take to
     options.patience_s = 0.05;
     Learner learner(model, adaptation, options);
     Simulation simulation(model);
-    std::atomic<bool> ending{false};  // the first reading takes until then, the others 40 ms each
+    std::atomic<bool> ending{false};  // the first measurement takes until then, the others 40 ms each
     learner.on_line(
         [](const Learner::Line&, const Adaptation&, void* with) {
             while (!static_cast<std::atomic<bool>*>(with)->load()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
             std::this_thread::sleep_for(std::chrono::milliseconds(40));
         },
         &ending);
-    for (int k = 0; k < 1200; ++k) {  // in, and on by half a millimetre each 40 ms
+    for (int k = 0; k < 1200; ++k) {  // in, then alternating by half a millimetre every 40 ms
         learner.before(simulation);
         DeviceSample sample = sample_at(0.05, 0.1 - std::min(1e-5 * k, 2e-3) - (k < 200 ? 0 : 5e-4 * ((k / 40) % 2)));
         sample.measured_N = Eigen::Vector3d(0, -1, 0);
@@ -433,33 +435,34 @@ TEST_CASE("a session ends though readings wait to be learned: those that take to
     CHECK(state.learned + state.gated + state.refused + learner.dropped() == readings);
 }
 
-TEST_CASE("a hand on a hidden tissue that comes late keeps its contact", "[adapt]") {
+TEST_CASE("a hand on a target tissue that misses ticks keeps its contact", "[adapt]") {
     const TissueModel law = law_example();
-    // 4 mm deep, in at 0.1 m/s from 5 mm outside, and there
+    // In at 0.1 m/s from 5 mm outside to a depth of 4 mm, and held there.
     const std::vector<Waypoint> motion = {{0, (Point(2) << 0.05, 0.105).finished()}, {0.09, (Point(2) << 0.05, 0.096).finished()}, {2, (Point(2) << 0.05, 0.096).finished()}};
-    HiddenTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), law, options_for_learning());
-    int felt = 0;  // the tissue swings, and may leave a hand that holds still for a moment
+    TargetTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), law, options_for_learning());
+    int felt = 0;  // the tissue oscillates, and may leave a hand at rest for a moment
     for (int k = 0; k < 800; ++k)
-        if (k < 60 || k > 85) felt += device.read(1e-3 * k).measured_N.norm() > 1e-3 && k > 85;  // 25 missed, in which the hand went on by 3 mm
+        // 26 reads are missed, in which the hand moves by 3 mm
+        if (k < 60 || k > 85) felt += device.read(1e-3 * k).measured_N.norm() > 1e-3 && k > 85;
     CHECK(felt > 200);
 }
 
-TEST_CASE("what learns must be of the model that plays, and no stiffer than its steps bear", "[adapt]") {
+TEST_CASE("adaptation of another mesh or beyond the stiffness of the steps or to spring sets is refused", "[adapt]") {
     const TissueModel law = law_example();
     HapticModel model(law, options_for_learning());
     Adaptation other(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)), live());
-    CHECK_THROWS_WITH(Learner(model, other), Contains("not of the model that plays"));
+    CHECK_THROWS_WITH(Learner(model, other), Contains("other than the session's"));
     Adaptation bold(law);
-    CHECK_THROWS_WITH(Learner(model, bold), Contains("which the model's steps are for"));
+    CHECK_THROWS_WITH(Learner(model, bold), Contains("up to which the session's time steps are stable"));
     HapticModel sets(haptic_example(), {});
-    CHECK_THROWS_WITH(Learner(sets, other), Contains("only a law"));
+    CHECK_THROWS_WITH(Learner(sets, other), Contains("only an energy model"));
 }
 
-TEST_CASE("what has learned to be stiffer than a session may teach plays on as it is, in steps that bear it", "[adapt]") {
+TEST_CASE("a file adapted beyond a session's bound plays unchanged and its steps allow its stiffness", "[adapt]") {
     const TemporaryFolder folder;
     const TissueModel law = law_example(), truth = stiffer(law, 2.2);
     Adaptation patient(law);
-    for (const Poke& poke : pokes_of(truth, 12, 5)) patient.learn(poke);
+    for (const ForceMeasurement& poke : pokes_of(truth, 12, 5)) patient.learn(poke);
     REQUIRE(patient.x().maxCoeff() > live_bound + 0.3);
     write_adapted_model(folder.file("patient.h5"), patient, {"test", 1, {}});
     const std::unique_ptr<Adaptation> live = live_adaptation(folder.file("patient.h5"));
@@ -467,7 +470,7 @@ TEST_CASE("what has learned to be stiffer than a session may teach plays on as i
     CHECK(options.stiffest >= std::exp(patient.x().maxCoeff()));
     HapticModel model(live->base(), options);
     { Learner learner(model, *live); }
-    for (const Poke& poke : pokes_of(truth, 4, 6)) CHECK(live->learn(poke).status == PokeStatus::learned);
+    for (const ForceMeasurement& poke : pokes_of(truth, 4, 6)) CHECK(live->learn(poke).status == UpdateStatus::learned);
     CHECK((live->x() - patient.x()).lpNorm<Eigen::Infinity>() < 0.2);
     const std::unique_ptr<Adaptation> fresh = [&] {
         write_model(folder.file("law.h5"), law, {"test", 1, {}});
@@ -476,11 +479,11 @@ TEST_CASE("what has learned to be stiffer than a session may teach plays on as i
     CHECK(live_options({}, *fresh).stiffest == Approx(std::exp(live_bound)));
 }
 
-TEST_CASE("a law as stiff as it may become stays stable in its steps", "[adapt]") {
+TEST_CASE("an energy model with its largest adapted stiffness stays stable in its steps", "[adapt]") {
     const TissueModel law = law_example();
     HapticModel model(law, options_for_learning());
     Simulation simulation(model);
-    simulation.law()->become(RealtimeLaw(stiffer(law, most), model.meshes[0]->springs).stiffness());
+    simulation.law()->become(RealtimeEnergyModel(stiffer(law, most), model.meshes[0]->springs).stiffness());
     Port port(simulation);
     Draw draw(2);
     for (int k = 0; k < 3000; ++k) {
@@ -492,7 +495,7 @@ TEST_CASE("a law as stiff as it may become stays stable in its steps", "[adapt]"
     CHECK(simulation.record().device_N.norm() <= model.options.safety.force_max_N);
 }
 
-TEST_CASE("a learner that fails ends its learning and nothing else", "[adapt][long]") {
+TEST_CASE("a failed adaptation ends the adaptation and not the session", "[adapt][long]") {
     const TissueModel law = law_example();
     struct Told {
         int lines = 0;
@@ -527,35 +530,35 @@ TEST_CASE("a learner that fails ends its learning and nothing else", "[adapt][lo
         CHECK(told.failures == 1);
         CHECK(told.lines == 2);
         CHECK(std::string(s.learner.failure()) == told.why);
-        CHECK_THAT(told.why, foreign ? Contains("not known") : Contains("bad_alloc"));
+        CHECK_THAT(told.why, foreign ? Contains("unknown exception") : Contains("bad_alloc"));
         CHECK(s.learner.dropped() == s.learner.readings() - 2);
         CHECK(s.learner.dropped() > 0);
         CHECK(late_N > 0.01);  // the session goes on
-        // what plays is what the adaptation is, and can be written
+        // The model in the session is that of the adaptation.
         for (int k = 0; k < 3000; ++k) s.step();
         CHECK(s.learner.arrived());
         CHECK((s.simulation.law()->stiffness().constants - s.adaptation.law().constants).norm() == 0);
     }
 }
 
-TEST_CASE("what a session asks of learning holds whatever the file has learned with, and is written into none", "[adapt]") {
+TEST_CASE("a session's limits of adaptation override those of a file and are not written to files", "[adapt]") {
     const TemporaryFolder folder;
     const TissueModel law = law_example();
     AdaptOptions sure;
     sure.place_error_m = 0;
     Adaptation patient(law, sure);
-    for (const Poke& poke : pokes_of(stiffer(law, 0.4), 6, 5)) patient.learn(poke);
+    for (const ForceMeasurement& poke : pokes_of(stiffer(law, 0.4), 6, 5)) patient.learn(poke);
     const std::string file = folder.file("patient.h5"), after = folder.file("after.h5");
     write_adapted_model(file, patient, {"test", 1, {}});
     const std::unique_ptr<Adaptation> live = live_adaptation(file);
     CHECK(live->place_error_m() == live_place_error_m);
     CHECK(live->largest() == live_bound);
-    // a reading 1 mm beside its place is worth less than one that is at it
+    // The session adapts as with a place error of 1 mm.
     AdaptOptions unsure;
     unsure.place_error_m = live_place_error_m;
     Adaptation same(law, unsure);
     same.restore(patient.state());
-    for (const Poke& poke : pokes_of(stiffer(law, 0.4), 3, 9)) {
+    for (const ForceMeasurement& poke : pokes_of(stiffer(law, 0.4), 3, 9)) {
         live->learn(poke);
         same.learn(poke);
     }
@@ -564,11 +567,11 @@ TEST_CASE("what a session asks of learning holds whatever the file has learned w
     write_adapted_model(after, *live, {"test", 1, {}});
     CHECK(adapted_options(after)->largest == AdaptOptions().largest);
     CHECK(adapted_options(after)->place_error_m == 0);
-    // nor where a session was the first to learn
+    // Likewise where the file was not adapted before.
     write_model(folder.file("law.h5"), law, {"test", 1, {}});
     write_adapted_model(after, *live_adaptation(folder.file("law.h5")), {"test", 1, {}});
     CHECK(adapted_options(after)->largest == AdaptOptions().largest);
-    // more than a session asks for stays
+    // A larger value of the file is kept.
     unsure.place_error_m = 0.004;
     write_adapted_model(file, Adaptation(law, unsure), {"test", 1, {}});
     CHECK(live_adaptation(file)->place_error_m() == 0.004);

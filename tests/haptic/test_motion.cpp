@@ -10,7 +10,7 @@
 
 using namespace tissue;
 
-TEST_CASE("a motion of any length is an hour at the most, and goes on from there without a jump", "[device][long]") {
+TEST_CASE("a scripted motion of any length is cut at about an hour and repeats without a jump", "[device][long]") {
     for (const SpringMesh& block : {make_lattice("grid8", 10, 10, 0.1, 0.1), embedded_block(Lattice{{4, 4, 3}, {0.1, 0.1, 0.05}})})
         for (const std::string& name : motion_names())
             for (double seconds : {20.0, 1e9, 1e300, std::numeric_limits<double>::infinity()}) {

@@ -19,7 +19,7 @@ namespace {
 
 SpringMesh block(int x, int y, int z) { return embedded_block(Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
 
-/// A mesh's surface beside where its nodes are.
+/// A mesh with its surface and the displacements of its nodes.
 struct Body {
     SpringMesh mesh;
     MovingTriangles surface;
@@ -34,7 +34,7 @@ struct Body {
     }
     void put(const Eigen::Vector3d& place) { surface.move(place, NodeColumns(mesh.nodes), u); }
 
-    /// How often the surface winds about a point: solid angles summed (Van Oosterom and Strackee 1983).
+    /// Winding number of the surface about a point, as a sum of solid angles (Van Oosterom and Strackee 1983).
     double winding(const Eigen::Vector3d& p) const {
         double angle = 0;
         for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
@@ -43,7 +43,7 @@ struct Body {
         }
         return angle / (4 * std::acos(-1.0));
     }
-    /// By ternary search over both weights of every triangle: the distance is convex.
+    /// Distance from the surface: the least distance from the faces and edges of all triangles.
     double away(const Eigen::Vector3d& p) const {
         double least = std::numeric_limits<double>::infinity();
         for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
@@ -58,7 +58,7 @@ struct Body {
         }
         return least;
     }
-    /// Least part of the way at which a triangle's plane is crossed inside it; above 1 where none is.
+    /// Smallest fraction of the path from p to m at which it crosses a triangle; above 1 where it crosses none.
     double crossing(const Eigen::Vector3d& p, const Eigen::Vector3d& m) const {
         double first = 2;
         for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
@@ -78,7 +78,7 @@ struct Body {
     }
 };
 
-/// Pressed in by a finger of 1 cm, and the whole of it bent.
+/// An indentation of width 1 cm, and a bending of the whole block.
 Eigen::Vector3d pressed(const Eigen::Vector3d& x, const Eigen::Vector3d& at, double depth_m) {
     const double r2 = (x - at).squaredNorm(), held = std::min(1.0, x.z() / 0.02);
     return held * Eigen::Vector3d(0.003 * std::sin(80 * x.y()), 0.002 * std::sin(90 * x.x()), -depth_m * std::exp(-r2 / (2 * 0.01 * 0.01)));
@@ -90,7 +90,7 @@ Eigen::Vector3d some_point(Draw& draw, const Eigen::Vector3d& size, double besid
 
 }  // namespace
 
-TEST_CASE("a cube knows its inside, its nearest point and where a way enters it", "[solid]") {
+TEST_CASE("the surface of a cube gives containment and nearest point and first crossing", "[solid]") {
     Body body(block(1, 1, 1));
     const MovingTriangles& cube = body.surface;
     CHECK(cube.triangles() == 12);
@@ -109,21 +109,21 @@ TEST_CASE("a cube knows its inside, its nearest point and where a way enters it"
     CHECK((cube.at(entry->facet, entry->weight) - entry->position_m).norm() == 0);
     CHECK_FALSE(cube.first_crossing(Eigen::Vector3d(0.003, 0.004, 0.02), Eigen::Vector3d(0.003, 0.004, 0.011)));
     CHECK_FALSE(cube.first_crossing(Eigen::Vector3d(0.003, 0.004, 0.02), Eigen::Vector3d(0.003, 0.004, 0.02)));
-    // from the surface: in crosses it there, out does not
+    // From a point on the surface, a path inwards crosses the surface there, a path outwards does not.
     const auto in = cube.first_crossing(Eigen::Vector3d(0.003, 0.004, 0.01), Eigen::Vector3d(0.003, 0.004, 0.002));
     REQUIRE(in);
     CHECK(in->distance_m == Approx(0.008));
     CHECK_FALSE(cube.first_crossing(Eigen::Vector3d(0.003, 0.004, 0.01), Eigen::Vector3d(0.003, 0.004, 0.018)));
 }
 
-TEST_CASE("triangles are of a closed surface in space") {
+TEST_CASE("a mesh in the plane and an open surface have no moving triangles") {
     CHECK_THAT(refusal<MismatchError>([] { MovingTriangles(make_lattice("grid8", 2, 2, 1, 1)); }), Catch::Contains("in space"));
     SpringMesh open = block(1, 1, 1);
     open.facets.conservativeResize(open.facets.rows() - 1, 3);
     CHECK_THAT(refusal<MismatchError>([&] { MovingTriangles{open}; }), Catch::Contains("not closed at the edge"));
 }
 
-TEST_CASE("inside, nearest point and first crossing of a bent and pressed block are those of all its triangles one by one", "[solid]") {
+TEST_CASE("containment and nearest point and first crossing of a deformed block agree with a test of every triangle", "[solid]") {
     Body body(block(5, 4, 3));
     Draw draw(1);
     const Eigen::Vector3d size(0.05, 0.04, 0.03);
@@ -155,7 +155,7 @@ TEST_CASE("inside, nearest point and first crossing of a bent and pressed block 
     }
 }
 
-TEST_CASE("a way in through a node or an edge slips between no two triangles, whatever its direction", "[solid]") {
+TEST_CASE("a path into the tissue through a node or an edge is detected in any direction", "[solid]") {
     Body body(block(4, 3, 2));
     Draw draw(2);
     for (bool bent : {false, true}) {
@@ -177,7 +177,7 @@ TEST_CASE("a way in through a node or an edge slips between no two triangles, wh
                     }
                 }
     }
-    // rays of contains() run along the first axis, through edges and nodes of the sides
+    // The rays of contains() run along the first axis, here through edges and nodes of the sides.
     body.move([](const Eigen::Vector3d&) { return Eigen::Vector3d(0, 0, 0); });
     for (double y : {0.005, 0.01, 0.02})
         for (double z : {0.005, 0.01}) {
@@ -187,7 +187,7 @@ TEST_CASE("a way in through a node or an edge slips between no two triangles, wh
         }
 }
 
-TEST_CASE("a point level with nodes and edges is inside exactly where the tissue is, to whichever side one looks", "[solid]") {
+TEST_CASE("a point at the height of nodes and edges is contained exactly when it is inside the block", "[solid]") {
     for (const auto& cells : {std::array{4, 3, 2}, std::array{2, 5, 3}}) {
         Body body(block(cells[0], cells[1], cells[2]));
         body.put(Eigen::Vector3d::Zero());
@@ -207,7 +207,7 @@ TEST_CASE("a point level with nodes and edges is inside exactly where the tissue
     }
 }
 
-TEST_CASE("no tool tunnels: at 2 m/s and in jumps of 50 mm through thin tissue that swings it is never inside without having been stopped", "[solid]") {
+TEST_CASE("a fast or jumping tool is never inside thin oscillating tissue without a contact", "[solid]") {
     Body body(block(8, 8, 1));
     Draw draw(3);
     ContactState contact;
@@ -231,7 +231,7 @@ TEST_CASE("no tool tunnels: at 2 m/s and in jumps of 50 mm through thin tissue t
             CHECK(contact.contact);
         }
         if (was_free && contact.contact) ++stopped;
-        // a free proxy that has come through without being stopped has crossed nothing
+        // A proxy that is still free has crossed nothing.
         if (was_free && !contact.contact && row == ContactRow::free) CHECK(body.crossing(from, tool) > 1);
         CHECK_FALSE(body.surface.contains_strictly(contact.proxy_m, 1e-9));
     }
@@ -239,7 +239,7 @@ TEST_CASE("no tool tunnels: at 2 m/s and in jumps of 50 mm through thin tissue t
     CHECK(inside > 500);
 }
 
-TEST_CASE("a surface in space is simple at rest, pressed deeply and placed anywhere", "[solid]") {
+TEST_CASE("a surface in space is simple at rest and under indentation and translation and noise", "[solid]") {
     Body body(block(10, 10, 5));
     CHECK(body.surface.ticks_to_look() <= 256);
     CHECK(body.looked_at_all());
@@ -252,21 +252,21 @@ TEST_CASE("a surface in space is simple at rest, pressed deeply and placed anywh
     CHECK(body.looked_at_all());
 }
 
-TEST_CASE("a surface in space that crosses itself is found within a round of looks, and let go within another", "[solid]") {
+TEST_CASE("a self-intersection in space is found within one round of checks and cleared within another", "[solid]") {
     Body body(block(6, 6, 5));
-    // the top's middle drawn down through the bottom
+    // the middle of the top is pulled through the bottom
     const auto through = [](const Eigen::Vector3d& x) {
         const bool middle = x.z() > 0.049 && std::abs(x.x() - 0.03) < 0.001 && std::abs(x.y() - 0.03) < 0.001;
         return Eigen::Vector3d(0, 0, middle ? -0.06 : 0);
     };
-    // two neighbours on it changed for each other: only triangles with a common node cross
+    // two neighbouring nodes of the top change places: only triangles with a common node intersect
     const auto folded = [](const Eigen::Vector3d& x) {
         const auto is = [&](double at) { return x.z() > 0.049 && std::abs(x.x() - at) < 0.001 && std::abs(x.y() - 0.03) < 0.001; };
         return Eigen::Vector3d(is(0.02) ? 0.013 : is(0.03) ? -0.012 : 0, 0, is(0.02) ? 0.002 : is(0.03) ? 0.0015 : 0);
     };
     const auto rest = [](const Eigen::Vector3d&) { return Eigen::Vector3d(0, 0, 0); };
     for (int way = 0; way < 2; ++way) {
-        INFO("way " << way);
+        INFO("case " << way);
         body.move(rest);
         CHECK(body.looked_at_all());
         way == 0 ? body.move(through) : body.move(folded);
@@ -275,13 +275,13 @@ TEST_CASE("a surface in space that crosses itself is found within a round of loo
         body.move(rest);
         CHECK(body.looked_at_all());
     }
-    // and from the beginning, where it is so at rest
+    // In the constructor as well, where the surface crosses itself at rest.
     SpringMesh crossed = block(6, 6, 5);
     for (int n = 0; n < crossed.node_count(); ++n) crossed.nodes.row(n) += through(crossed.nodes.row(n).transpose()).transpose();
     CHECK_FALSE(MovingTriangles(crossed).simple());
 }
 
-TEST_CASE("what a surface in space has found goes over to another one with its state", "[solid][state]") {
+TEST_CASE("self-intersections found so far are part of a surface's saved state", "[solid][state]") {
     const auto through = [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0, 0, x.z() > 0.049 && (x.head<2>() - Eigen::Vector2d(0.03, 0.03)).norm() < 0.001 ? -0.06 : 0); };
     Body knows(block(6, 6, 5)), other(block(6, 6, 5));
     REQUIRE(knows.surface.ticks_to_look() > 3);
@@ -297,7 +297,7 @@ TEST_CASE("what a surface in space has found goes over to another one with its s
     for (int tick = 0; tick < 3 * knows.surface.ticks_to_look(); ++tick) CHECK_FALSE(other.surface.simple());
 }
 
-TEST_CASE("a surface turned inside out is not simple, at once", "[solid]") {
+TEST_CASE("an inverted surface is found not simple by a single check", "[solid]") {
     Body body(block(3, 3, 2));
     CHECK(body.surface.simple());
     body.move([](const Eigen::Vector3d& x) { return Eigen::Vector3d(0, 0, -2 * x.z()); });
@@ -306,7 +306,7 @@ TEST_CASE("a surface turned inside out is not simple, at once", "[solid]") {
     CHECK(body.surface.simple());
 }
 
-TEST_CASE("two bodies in one place contain each other's points", "[solid]") {
+TEST_CASE("two overlapping bodies contain points of each other", "[solid]") {
     Body one(block(3, 3, 2)), other(block(3, 3, 2));
     other.put({0.02, 0.01, 0.01});
     const SurfacePlace of_other = other.surface.nearest(Eigen::Vector3d(0.02, 0.01, 0.01));
@@ -316,7 +316,7 @@ TEST_CASE("two bodies in one place contain each other's points", "[solid]") {
     CHECK_FALSE(other.surface.contains(Eigen::Vector3d(0.0299, 0.0299, 0.0199)));
 }
 
-TEST_CASE("a tick's use of a surface in space allocates nothing", "[solid]") {
+TEST_CASE("the operations of a tick on a surface in space allocate nothing", "[solid]") {
     Body body(block(5, 4, 3));
     const NodeColumns rest = body.mesh.nodes;
     const Point place = Eigen::Vector3d(0.1, 0, 0), above = Eigen::Vector3d(0.12, 0.02, 0.05), below = Eigen::Vector3d(0.121, 0.02, 0.01);

@@ -9,7 +9,7 @@
 #include "../refusal.h"
 #include "../wait_for.h"
 #include "error.h"
-#include "haptic/hidden_tissue.h"
+#include "haptic/target_tissue.h"
 #include "haptic/latest.h"
 #include "haptic/pointer_device.h"
 #include "haptic/realtime_loop.h"
@@ -23,14 +23,14 @@ namespace {
 
 constexpr double safe = 2;  // SafetyOptions::speed_max_m_s
 
-/// Something that half of would show.
+/// A value in which a torn read is detected.
 struct Pair {
     long long a = 0, b[40] = {};
 };
 
 }  // namespace
 
-TEST_CASE("the newest value passes between two threads whole and in order", "[pointer]") {
+TEST_CASE("the newest value passes between two threads complete and in order", "[pointer]") {
     Latest<Pair> latest;
     CHECK_FALSE(latest.fetch());
     latest.back().a = 7;
@@ -39,7 +39,7 @@ TEST_CASE("the newest value passes between two threads whole and in order", "[po
     CHECK(latest.front().a == 7);
     CHECK_FALSE(latest.fetch());
     CHECK(latest.front().a == 7);
-    for (int k = 0; k < 5; ++k) {   // what the reader has is the reader's
+    for (int k = 0; k < 5; ++k) {   // the reader's copy does not change
         CHECK(&latest.back() != &latest.front());
         latest.back().a = 8 + k;
         latest.publish();
@@ -73,10 +73,10 @@ TEST_CASE("the newest value passes between two threads whole and in order", "[po
     CHECK_FALSE(backwards.load());
 }
 
-TEST_CASE("a mouse that speaks 60 times a second is no fault, and its hand moves smoothly", "[pointer]") {
+TEST_CASE("a pointer with 60 random targets per second raises no fault and moves smoothly", "[pointer]") {
     DeviceMap map;
     map.fit(2);
-    map.scale = 0.5;  // 2 mm of device a millimetre of tissue: the limit is the device's
+    map.scale = 0.5;  // 2 mm of the device per millimetre of tissue: the limit is that of the device
     PointerDevice pointer(Eigen::Vector2d(0.05, 0.12), map, safe);
     Safety safety{SafetyOptions{}};
     Draw draw(3);
@@ -84,7 +84,8 @@ TEST_CASE("a mouse that speaks 60 times a second is no fault, and its hand moves
     CHECK((map.to_tissue(before) - Eigen::Vector2d(0.05, 0.12)).norm() < 1e-15);
     double fastest = 0, hardest = 0;
     for (int k = 1; k < 20000; ++k) {
-        if (k % 17 == 0) pointer.aim(Eigen::Vector2d(draw(-0.1, 0.3), draw(-0.1, 0.2)));  // anywhere: 20 cm in a frame
+        // anywhere: up to half a metre per frame
+        if (k % 17 == 0) pointer.aim(Eigen::Vector2d(draw(-0.1, 0.3), draw(-0.1, 0.2)));
         const DeviceSample sample = pointer.read(k * 1e-3);
         REQUIRE(safety.admit(sample, 1e-3));
         const Eigen::Vector3d step = sample.position_m - before;
@@ -95,11 +96,11 @@ TEST_CASE("a mouse that speaks 60 times a second is no fault, and its hand moves
     }
     CHECK(fastest <= 0.9 * safe * (1 + 1e-9));
     CHECK(fastest > 0.5 * safe);
-    CHECK(hardest < 2.2 * fastest * 1e-3);   // no step is a leap: at most it turns about
+    CHECK(hardest < 2.2 * fastest * 1e-3);   // no jump: at most the direction reverses
     CHECK(safety.counters().jump == 0);
 }
 
-TEST_CASE("the pointer arrives without overshoot, whatever the ticks that were missed", "[pointer]") {
+TEST_CASE("a pointer reaches its target without overshoot for any number of missed ticks", "[pointer]") {
     for (int every : {1, 3, 50}) {
         PointerDevice pointer(Eigen::Vector2d(0, 0), {}, safe);
         pointer.aim(Eigen::Vector2d(0.03, 0));
@@ -114,7 +115,7 @@ TEST_CASE("the pointer arrives without overshoot, whatever the ticks that were m
     }
 }
 
-TEST_CASE("after a pause, or with a clock that starts again, the pointer goes on from where it was", "[pointer]") {
+TEST_CASE("a pointer continues from its place after a pause and after a restart of the clock", "[pointer]") {
     PointerDevice pointer(Eigen::Vector2d(0, 0), {}, safe);
     pointer.aim(Eigen::Vector2d(1, 0));
     Eigen::Vector3d at = pointer.read(0).position_m;
@@ -126,7 +127,7 @@ TEST_CASE("after a pause, or with a clock that starts again, the pointer goes on
     CHECK(pointer.read(1e-3).position_m.x() > again.x());
 }
 
-TEST_CASE("targets that are not finite are left out and counted; limits that are none are refused", "[pointer]") {
+TEST_CASE("a pointer ignores and counts targets that are not finite and invalid limits are refused", "[pointer]") {
     PointerDevice pointer(Eigen::Vector2d(0.01, 0.02), {}, safe);
     const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
     pointer.aim(Eigen::Vector2d(nan, 0));
@@ -138,7 +139,7 @@ TEST_CASE("targets that are not finite are left out and counted; limits that are
     refusal<MismatchError>([&] { PointerDevice(Eigen::Vector2d(nan, 0), {}, safe); });
 }
 
-TEST_CASE("a target however far off is a direction, and the pointer comes back from it", "[pointer]") {
+TEST_CASE("a very distant target gives a direction of motion and the pointer returns from it", "[pointer]") {
     for (double far : {1e9, 1e300, 1.7e308}) {
         PointerDevice pointer(Eigen::Vector2d(0.01, 0.02), {}, safe);
         pointer.aim(Eigen::Vector2d(far, -far));
@@ -157,7 +158,7 @@ TEST_CASE("a target however far off is a direction, and the pointer comes back f
     }
 }
 
-TEST_CASE("the channel passes states at its rate, and what they hold is what the simulation holds", "[pointer]") {
+TEST_CASE("the state channel passes one state every 10 ticks with the values of the simulation", "[pointer]") {
     HapticOptions o;
     o.place_m = 0.2;
     const HapticModel model(haptic_example(), o);
@@ -166,7 +167,7 @@ TEST_CASE("the channel passes states at its rate, and what they hold is what the
     int states = 0;
     for (int k = 0; k < 600; ++k) {
         s.tick(sample_at(0.047, 0.102 - 0.00002 * k));
-        TickBooks books;
+        TickStatistics books;
         books.ticks = k + 1;
         books.tick_us = k;
         channel.after(s, books);
@@ -177,7 +178,8 @@ TEST_CASE("the channel passes states at its rate, and what they hold is what the
     CHECK(states == 60);
     const TickState& state = channel.state();
     REQUIRE(state.record.mesh == 0);
-    CHECK((state.contact_displacement_m[0] - s.record().contact_displacement_m).norm() < 2e-4);  // ticks since then moved it
+    // the simulation has ticked since
+    CHECK((state.contact_displacement_m[0] - s.record().contact_displacement_m).norm() < 2e-4);
     CHECK(state.contact_displacement_m[0].norm() > 1e-3);
     CHECK(state.contact_displacement_m[1].norm() > 1e-4);
     REQUIRE(state.nodes_m.size() == 2 * 2 * 121);
@@ -194,7 +196,7 @@ TEST_CASE("the channel passes states at its rate, and what they hold is what the
     CHECK_FALSE(channel.pop_time(us));
 }
 
-TEST_CASE("paused, nothing moves and no force goes out; afterwards the same contact goes on without a fault", "[pointer]") {
+TEST_CASE("a paused session has no motion and no force and its contact continues afterwards without a fault", "[pointer]") {
     const TemporaryFolder folder;
     const HapticModel model(haptic_example(), {});
     Simulation s(model);
@@ -227,7 +229,7 @@ TEST_CASE("paused, nothing moves and no force goes out; afterwards the same cont
     channel.pause(false);
     CHECK(next([&](const TickState& t) { return !t.books.left_out && t.record.mesh == 0 && t.books.ticks > held.books.ticks + 100; }));
     channel.reset();
-    CHECK(next([&](const TickState& t) { return t.record.mesh == -1; }));  // inside, but not come in from outside
+    CHECK(next([&](const TickState& t) { return t.record.mesh == -1; }));  // inside the tissue, and not armed
     CHECK(channel.state().safety.jump + channel.state().safety.bad_input == 0);
     stop.store(true);
     ticks.join();
@@ -235,7 +237,7 @@ TEST_CASE("paused, nothing moves and no force goes out; afterwards the same cont
     CHECK(Hdf5Reader(folder.file("s.h5"), "recording").vector("/time").size() == report.ticks);
 }
 
-TEST_CASE("a pointer that stood still while it was aimed elsewhere goes on from there, also on a hidden tissue", "[pointer]") {
+TEST_CASE("a pointer with a new target during a pause continues from its place with and without a target tissue", "[pointer]") {
     const TissueModel tissue = haptic_example();
     const HapticModel model(tissue, {});
     for (const bool hidden : {false, true}) {
@@ -243,16 +245,16 @@ TEST_CASE("a pointer that stood still while it was aimed elsewhere goes on from 
         auto made = std::make_unique<PointerDevice>(Eigen::Vector2d(0.05, 0.11), model.options.map, safe);
         PointerDevice& pointer = *made;
         std::unique_ptr<Device> device = std::move(made);
-        if (hidden) device = std::make_unique<HiddenTissue>(std::move(device), tissue, HapticOptions{});
+        if (hidden) device = std::make_unique<TargetTissue>(std::move(device), tissue, HapticOptions{});
         Eigen::Vector3d last_m;
         long k = 0;
         for (; k < 500; ++k) last_m = device->read(1e-3 * static_cast<double>(k)).position_m;
         pointer.aim(Eigen::Vector2d(0.05, 0.05));
-        for (; k < 3500; ++k) device->stand_still(1e-3 * static_cast<double>(k));
+        for (; k < 3500; ++k) device->skip_tick(1e-3 * static_cast<double>(k));
         double farthest_m = 0;
         for (; k < 4500; ++k) {
             const Eigen::Vector3d now_m = device->read(1e-3 * static_cast<double>(k)).position_m;
-            if (k == 3500) CHECK((now_m - last_m).norm() < 5e-4);  // 6 mm where the pause is a step of its own
+            if (k == 3500) CHECK((now_m - last_m).norm() < 5e-4);  // 6 mm if the pause were one step
             farthest_m = std::max(farthest_m, (now_m - last_m).norm());
             last_m = now_m;
         }

@@ -1,4 +1,4 @@
-#include "haptic/realtime_law.h"
+#include "haptic/realtime_energy_model.h"
 
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
@@ -10,10 +10,10 @@
 #include "../refusal.h"
 #include "error.h"
 #include "haptic/dynamics.h"
-#include "haptic/law_spectrum.h"
+#include "haptic/energy_model_spectrum.h"
 #include "haptic/spectrum.h"
 #include "haptic_example.h"
-#include "springs/press.h"
+#include "springs/equilibrium_solver.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -22,29 +22,29 @@ namespace {
 
 std::vector<SpringMesh> meshes() { return {make_lattice("grid8", 10, 10, 0.1, 0.1), make_lattice("grid8", 4, 7, 0.06, 0.1), edge_mesh(disc(24))}; }
 
-RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_law->curve, model.node_mass_kg}; }
+RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_model->curve, model.node_mass_kg}; }
 
-/// A law whose constants differ from element to element, so that none can stand in for another.
+/// An energy model with different constants in all elements, so that no element can replace another.
 TissueModel uneven(const SpringMesh& mesh) {
     TissueModel model = law_example(mesh);
-    for (Eigen::Index e = 0; e < model.energy_law->constants.size(); ++e)
-        model.energy_law->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
+    for (Eigen::Index e = 0; e < model.energy_model->constants.size(); ++e)
+        model.energy_model->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
     return model;
 }
 
 }  // namespace
 
-TEST_CASE("the tick's law asks for the forces of the energy that was trained, and stores it", "[law]") {
+TEST_CASE("forces and energy in the tick equal those of the trained energy model", "[law]") {
     for (const SpringMesh& mesh : meshes())
         for (double size : {1e-6, 1e-3, 4e-3}) {
             const TissueModel model = uneven(mesh);
             const RealtimeMesh springs = springs_of(model);
-            const RealtimeLaw law(model, springs);
+            const RealtimeEnergyModel law(model, springs);
             const TissueEnergy energy(mesh, true);
             const NodeField u = scattered(mesh, size);
-            const NodeField expected = energy.force(model.energy_law->constants, u);
+            const NodeField expected = energy.force(model.energy_model->constants, u);
             NodeColumns f(mesh.node_count(), 2);
-            RealtimeLaw::Scratch scratch = law.scratch();
+            RealtimeEnergyModel::Scratch scratch = law.scratch();
             long allocations = 0;
             {
                 const NodeColumns columns = u;
@@ -53,17 +53,18 @@ TEST_CASE("the tick's law asks for the forces of the energy that was trained, an
                 allocations = Allocations::count();
             }
             INFO(mesh.topology << " " << size);
-            CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());  // l - L cancels in the tick's springs
-            CHECK(law.energy(u) == Approx(energy.energy(model.energy_law->constants, u)).epsilon(1e-8));
+            // l - L cancels in the tick's springs
+            CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());
+            CHECK(law.energy(u) == Approx(energy.energy(model.energy_model->constants, u)).epsilon(1e-8));
             CHECK(allocations == 0);
         }
 }
 
-TEST_CASE("the tick's contact is the one that was trained, at every point of the free surface, and a wall where it is held", "[law]") {
+TEST_CASE("the contact in the tick equals the trained one and acts on fixed nodes only at the fixed boundary", "[law]") {
     for (const SpringMesh& mesh : meshes()) {
         const TissueModel model = uneven(mesh);
         const RealtimeMesh springs = springs_of(model);
-        const RealtimeLaw law(model, springs);
+        const RealtimeEnergyModel law(model, springs);
         const ContactSurface surface(mesh);
         const std::size_t M = mesh.loop().size();
         int held = 0;
@@ -77,8 +78,8 @@ TEST_CASE("the tick's contact is the one that was trained, at every point of the
                 const Eigen::Vector2d push(0.002, -0.001);
                 NodeColumns asked = NodeColumns::Zero(u.rows(), 2);
                 const Point hand = now.put_on(push, u, asked);
-                CHECK((now.hand_N(push, u) - hand).norm() == 0);
-                CHECK((now.hand_N(now.push_at(hand, u), u) - hand).norm() <= 1e-12 * hand.norm());
+                CHECK((now.tool_force_N(push, u) - hand).norm() == 0);
+                CHECK((now.tool_force_N(now.push_at(hand, u), u) - hand).norm() <= 1e-12 * hand.norm());
                 if (springs.fixed(i) && springs.fixed(j)) {
                     ++held;
                     const Eigen::MatrixXd wall = now.stiffness_N_m(push, u);
@@ -88,13 +89,13 @@ TEST_CASE("the tick's contact is the one that was trained, at every point of the
                     continue;
                 }
                 const ContactPatch patch = surface.at(surface.outline().arc_of(place));
-                const PatchSpring expected(patch, model.energy_law->patch.at(patch));
+                const PatchSpring expected(patch, model.energy_model->patch.at(patch));
                 Eigen::Vector2d at[ContactPatch::size];
                 gather(patch, u, at);
                 const PatchSpring::Load load = expected.load(push, at);
                 NodeColumns by_node = NodeColumns::Zero(u.rows(), 2);
                 for (int k = 0; k < ContactPatch::size; ++k) by_node.row(patch.node[k]) += load.node_N[k].transpose();
-                CHECK((hand - load.hand_N).norm() <= 1e-9 * load.hand_N.norm());
+                CHECK((hand - load.tool_force_N).norm() <= 1e-9 * load.tool_force_N.norm());
                 CHECK((asked - by_node).norm() <= 1e-9 * by_node.norm());
                 CHECK(now.energy_J(push, u) == Approx(load.energy_J).epsilon(1e-9));
             }
@@ -102,17 +103,17 @@ TEST_CASE("the tick's contact is the one that was trained, at every point of the
     }
 }
 
-TEST_CASE("a law's spectrum is that of its tangents, at rest and pressed", "[law]") {
+TEST_CASE("the spectrum of an energy model is that of its tangents at rest and indented", "[law]") {
     TissueModel model = law_example();
-    model.magnitude_m *= 2;  // 20 mm: deep enough to be stiffer by what springs and cells do, not the contact alone
+    model.magnitude_m *= 2;  // 20 mm: deep enough that springs and cells stiffen, not only the contact
     const SpringMesh& mesh = model.mesh;
     const RealtimeMesh springs = springs_of(model);
-    const LawSpectrum spectrum = law_spectrum(model, springs);
+    const EnergyModelSpectrum spectrum = energy_model_spectrum(model, springs);
 
     const TissueEnergy energy(mesh, true);
     const ContactSurface surface(mesh);
     const auto eigenvalues = [&](const NodeField& u, const PatchSpring* contact) {
-        Eigen::MatrixXd K = energy.tangent(model.energy_law->constants, u);
+        Eigen::MatrixXd K = energy.tangent(model.energy_model->constants, u);
         for (int i = 0; contact && i < ContactPatch::size; ++i)
             for (int j = 0; j < ContactPatch::size; ++j)
                 K.block<2, 2>(2 * contact->patch.node[i], 2 * contact->patch.node[j]) += contact->tangent(i, j);
@@ -130,30 +131,31 @@ TEST_CASE("a law's spectrum is that of its tangents, at rest and pressed", "[law
     CHECK(spectrum.smallest == Approx(rest[0]).epsilon(1e-4));
     CHECK(spectrum.largest >= rest[rest.size() - 1]);
 
-    // presses at places of its own choice, as deep as the deepest load case: none is much stiffer
-    PressSolver solver(energy, surface);
+    // Indentations at other places, as deep as the deepest load case: none is much stiffer.
+    EquilibriumSolver solver(energy, surface);
     double stiffest = 0;
     for (int k = 0; k <= 10; ++k) {
         const double arc = k / 10.0 * surface.outline().length();
         const ContactPatch patch = surface.at(arc);
-        const PatchSpring contact(patch, model.energy_law->patch.at(patch));
-        const PressState state = solver.press(model.energy_law->constants, contact, 0.020 * surface.outline().direction(arc, 0.3));
-        if (state.status != PressStatus::lost) stiffest = std::max(stiffest, eigenvalues(state.displacement, &contact).maxCoeff());
+        const PatchSpring contact(patch, model.energy_model->patch.at(patch));
+        const EquilibriumState state = solver.press(model.energy_model->constants, contact, 0.020 * surface.outline().direction(arc, 0.3));
+        if (state.status != SolverStatus::no_equilibrium) stiffest = std::max(stiffest, eigenvalues(state.displacement, &contact).maxCoeff());
     }
     CHECK(stiffest > rest[rest.size() - 1]);
     CHECK(spectrum.largest > 0.98 * stiffest);
     CHECK(spectrum.largest < 1.2 * stiffest);
 }
 
-TEST_CASE("however small the masses are, a law's highest frequency is right or no number", "[law][long]") {
+TEST_CASE("for very small masses the highest frequency of an energy model is right or not finite", "[law][long]") {
     TissueModel model = law_example();
-    const double largest = law_spectrum(model, springs_of(model)).largest;
+    const double largest = energy_model_spectrum(model, springs_of(model)).largest;
     const Eigen::VectorXd mass_kg = model.node_mass_kg;
     int right = 0, none = 0;
-    for (double decade = 154.5; decade < 154.8; decade += 0.02) {  // where squares of pressed states' become no numbers first, then those of rest's
+    // Here squares overflow, first in indented states and then at rest.
+    for (double decade = 154.5; decade < 154.8; decade += 0.02) {
         const double lighter = std::pow(10.0, decade) / largest;
         model.node_mass_kg = mass_kg / lighter;
-        const double here = law_spectrum(model, springs_of(model)).largest;
+        const double here = energy_model_spectrum(model, springs_of(model)).largest;
         if (std::isfinite(here)) {
             CHECK(here / lighter == Approx(largest).epsilon(1e-6));
             ++right;
@@ -164,13 +166,13 @@ TEST_CASE("however small the masses are, a law's highest frequency is right or n
     CHECK(none > 0);
 }
 
-TEST_CASE("a model of sets is no law, springs that do not turn are not its own, and an implicit step does not know one", "[law]") {
+TEST_CASE("an energy model refuses spring sets and springs that do not turn and steps other than symplectic", "[law]") {
     const TissueModel model = law_example(), sets = haptic_example();
     const RealtimeMesh springs = springs_of(model), axial(model.mesh, "axial", model.node_mass_kg);
-    CHECK_THAT(refusal<MismatchError>([&] { RealtimeLaw(sets, springs); }), Contains("no law"));
-    CHECK_THAT(refusal<MismatchError>([&] { RealtimeLaw(model, axial); }), Contains("geometric"));
-    CHECK_THAT(refusal<MismatchError>([&] { law_spectrum(sets, springs); }), Contains("no law"));
-    const RealtimeLaw law(model, springs);
+    CHECK_THAT(refusal<MismatchError>([&] { RealtimeEnergyModel(sets, springs); }), Contains("not an energy model"));
+    CHECK_THAT(refusal<MismatchError>([&] { RealtimeEnergyModel(model, axial); }), Contains("geometric"));
+    CHECK_THAT(refusal<MismatchError>([&] { energy_model_spectrum(sets, springs); }), Contains("not an energy model"));
+    const RealtimeEnergyModel law(model, springs);
     for (const char* name : {"implicit", "paper"})
         CHECK_THAT(refusal<MismatchError>([&] { make_dynamics(name, springs, {1e-3, 1, &law}); }), Contains(name));
 }

@@ -19,7 +19,7 @@ namespace {
 
 enum class Fails { never, before_it_takes, after_it_took };
 
-/// Motors that are on from somewhere in start() until stop(), and hold what was written last.
+/// Motors that are on from some point in start() until stop(), and hold the last force written.
 class Motors final : public Device {
    public:
     explicit Motors(Fails fails = Fails::never) : fails_(fails) {}
@@ -27,11 +27,11 @@ class Motors final : public Device {
     void start() override {
         if (fails_ == Fails::before_it_takes) throw DeviceError("no device");
         on = true;
-        force_N = {1, 0, 0};  // what was on them
+        force_N = {1, 0, 0};  // force before the session
         if (fails_ == Fails::after_it_took) throw DeviceError("no servo");
     }
     DeviceSample read(double) noexcept override {
-        return sample_at(0.05, 0.104 - 5e-5 * ++reads);  // presses, ever deeper
+        return sample_at(0.05, 0.104 - 5e-5 * ++reads);  // deeper in each tick
     }
     void write(const Eigen::Vector3d& f) noexcept override {
         force_N = f;
@@ -45,7 +45,7 @@ class Motors final : public Device {
     }
     bool at_rest() const { return !on && force_N.isZero(0) && stops == 1 && stopped_at_N == 0; }
 
-    const Motors* beside = nullptr;  ///< whose force is looked at when this one is stopped
+    const Motors* beside = nullptr;  ///< the device whose force is recorded when this one is stopped
     double beside_N = -1;
     bool on = false;
     int reads = 0, stops = 0;
@@ -56,7 +56,7 @@ class Motors final : public Device {
     Fails fails_;
 };
 
-/// A hook that throws at a tick, before it or after it; what it throws need not be an exception of the library.
+/// A hook that throws before or after a given tick. foreign: what it throws is not a std::exception.
 class Bomb final : public TickHook {
    public:
     Bomb(int at, bool early, bool foreign = false) : at_(at), early_(early), foreign_(foreign) {}
@@ -64,7 +64,7 @@ class Bomb final : public TickHook {
         if (early_ && ++ticks_ == at_) go_off();
         return true;
     }
-    void after(const Simulation&, const TickBooks&) override {
+    void after(const Simulation&, const TickStatistics&) override {
         if (!early_ && ++ticks_ == at_) go_off();
     }
 
@@ -86,7 +86,7 @@ LoopOptions short_loop() {
 
 }  // namespace
 
-TEST_CASE("a device that fails in start() has no force on it and is stopped, wherever it failed", "[device]") {
+TEST_CASE("a device whose start() fails is stopped with zero force", "[device]") {
     for (Fails fails : {Fails::before_it_takes, Fails::after_it_took}) {
         Motors device(fails);
         CHECK_THROWS_AS(RunningDevice(device), DeviceError);
@@ -101,7 +101,7 @@ TEST_CASE("a device that fails in start() has no force on it and is stopped, whe
     CHECK(device.at_rest());
 }
 
-TEST_CASE("a session that was asked to stop before it began does not start the device", "[device][loop]") {
+TEST_CASE("a session that is stopped before its first tick does not start the device", "[device][loop]") {
     const HapticModel model(haptic_example(), {});
     Simulation simulation(model);
     Motors device;
@@ -112,7 +112,7 @@ TEST_CASE("a session that was asked to stop before it began does not start the d
     CHECK((device.reads == 0 && device.stops == 0 && device.force_N.isZero(0)));
 }
 
-TEST_CASE("whatever is thrown in a session, the force is zero and the device stopped when it comes out", "[device][loop]") {
+TEST_CASE("an exception of any kind in a session leaves the device stopped with zero force", "[device][loop]") {
     const HapticModel model(haptic_example(), {});
     for (Fails fails : {Fails::before_it_takes, Fails::after_it_took}) {
         Simulation simulation(model);
@@ -128,7 +128,7 @@ TEST_CASE("whatever is thrown in a session, the force is zero and the device sto
                 Motors device;
                 Bomb bomb(at, early, foreign);
                 LoopOptions o = short_loop();
-                o.seconds = 0;  // until it goes off
+                o.seconds = 0;  // until the hook throws
                 o.hooks = {&bomb};
                 if (foreign) CHECK_THROWS_AS(run_loop(simulation, device, o), int);
                 else CHECK_THROWS_WITH(run_loop(simulation, device, o), "a hook has failed");
@@ -137,7 +137,7 @@ TEST_CASE("whatever is thrown in a session, the force is zero and the device sto
             }
 }
 
-TEST_CASE("two devices: no force is left on either, whichever fails, and one that ends ends both", "[device][loop][two]") {
+TEST_CASE("with two devices no force is left on either after a failed start or an exception or a normal end", "[device][loop][two]") {
     HapticOptions two;
     two.tools = 2;
     two.heuristic_mesh = false;
@@ -165,7 +165,7 @@ TEST_CASE("two devices: no force is left on either, whichever fails, and one tha
         a.beside = &b, b.beside = &a;
         CHECK(run_loop(simulation, both(a, b), short_loop()).ticks > 100);
         CHECK((a.at_rest() && b.at_rest()));
-        CHECK((a.beside_N == 0 && b.beside_N == 0));  // no force on either when the first was stopped
+        CHECK((a.beside_N == 0 && b.beside_N == 0));  // neither had a force when the first was stopped
         CHECK_THROWS_AS(run_loop(simulation, a, short_loop()), MismatchError);
         const HapticModel one(law_example(), {});
         Simulation alone(one);
@@ -173,13 +173,13 @@ TEST_CASE("two devices: no force is left on either, whichever fails, and one tha
     }
 }
 
-TEST_CASE("memory that runs out at any point of the loop's set-up leaves no force behind", "[device][loop]") {
+TEST_CASE("an allocation failure at any point of the loop's set-up leaves no force", "[device][loop]") {
     if (!Allocations::seen()) return;
     const HapticModel model(haptic_example(), {});
     Simulation simulation(model);
     LoopOptions o = short_loop();
     o.seconds = 0.003;
-    o.realtime = true;  // what allocates
+    o.realtime = true;  // which allocates
     int failed = 0;
     for (int nth = 0; nth < 100; ++nth) {
         Motors device;
@@ -199,8 +199,8 @@ TEST_CASE("memory that runs out at any point of the loop's set-up leaves no forc
     CHECK(failed > 0);
 }
 
-TEST_CASE("a tick that is woken late knows how late: a hand at half a metre a second is no fault", "[loop]") {
-    /// Where a hand is by the clock on the wall.
+TEST_CASE("a tick that starts late gets its true period and a hand at 0.5 m/s is no fault", "[loop]") {
+    /// Position of a hand by wall-clock time.
     class Hand final : public Device {
        public:
         std::string name() const override { return "hand"; }
@@ -213,18 +213,18 @@ TEST_CASE("a tick that is woken late knows how late: a hand at half a metre a se
        private:
         std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     } hand;
-    /// Holds the loop up for 20 ms before the 50th tick, and beyond the session's end before its last one.
+    /// Delays the loop by 20 ms before the 50th tick, and beyond the session's end before its last one.
     class Sleeper final : public TickHook {
        public:
         bool before(Simulation&) override {
             if (++ticks_ == 50 || last.time_s > 0.29) std::this_thread::sleep_for(std::chrono::milliseconds(20));
             return true;
         }
-        void after(const Simulation&, const TickBooks& books) override {
+        void after(const Simulation&, const TickStatistics& books) override {
             last = books;
             latest_us = std::max(latest_us, books.lateness_us);
         }
-        TickBooks last;
+        TickStatistics last;
         double latest_us = 0;
 
        private:
@@ -237,13 +237,14 @@ TEST_CASE("a tick that is woken late knows how late: a hand at half a metre a se
     const LoopReport report = run_loop(simulation, hand, o);
     CHECK(report.misses >= 19);
     CHECK(sleeper.latest_us >= 19000);
-    CHECK(report.misses_program <= report.misses - 19);  // of a busy machine's ticks some may take a period of its time
+    // on a busy machine some ticks may use a whole period of processor time
+    CHECK(report.misses_program <= report.misses - 19);
     CHECK(report.ticks + report.misses == 300);
     CHECK(sleeper.last.time_s < 0.3);
     CHECK(simulation.safety().counters().jump == 0);
 }
 
-TEST_CASE("a loop tells its session what ticks cost, which then loses the time that they take too long", "[loop][long]") {
+TEST_CASE("a loop reports the cost of ticks to its session and the session counts the time lost", "[loop][long]") {
     class Still final : public Device {
        public:
         std::string name() const override { return "still"; }
@@ -251,13 +252,13 @@ TEST_CASE("a loop tells its session what ticks cost, which then loses the time t
         void write(const Eigen::Vector3d&) noexcept override {}
     };
     HapticOptions options;
-    options.dt_s = 1e-6;  // no tick costs as little
+    options.dt_s = 1e-6;  // every tick costs more
     const HapticModel model(law_example(make_lattice("grid8", 16, 16, 0.1, 0.1)), options);
     Simulation simulation(model);
-    /// Until that is seen: how long it takes depends on the machine.
+    /// Ends the session when the loss is counted, since the time for that depends on the machine.
     class Enough final : public TickHook {
        public:
-        void after(const Simulation& simulation, const TickBooks&) override { stop = stop || simulation.counters().lost_s > 0.1; }
+        void after(const Simulation& simulation, const TickStatistics&) override { stop = stop || simulation.counters().lost_s > 0.1; }
         std::atomic<bool> stop{false};
     } enough;
     Still device;
@@ -269,7 +270,7 @@ TEST_CASE("a loop tells its session what ticks cost, which then loses the time t
     CHECK(simulation.counters().lost_s > 0.1);
 }
 
-TEST_CASE("without a clock every tick is done, one after the other, however long it takes", "[loop]") {
+TEST_CASE("without a clock all ticks run one after the other however long they take", "[loop]") {
     class Slow final : public Device {
        public:
         std::string name() const override { return "slow"; }
@@ -299,27 +300,27 @@ TEST_CASE("without a clock every tick is done, one after the other, however long
     CHECK(simulation.counters().lost_s == 0);
 }
 
-TEST_CASE("a pause is none of the tissue's time: not made up for, not lost, and in no recording", "[loop]") {
+TEST_CASE("a pause is no part of the tissue's time and is neither made up for nor counted as lost", "[loop]") {
     struct Pauses final : TickHook {
         bool before(Simulation&) override {
             const bool wanted = asked < 50 || asked >= 3050;
             ++asked;
             return wanted;
         }
-        void after(const Simulation& simulation, const TickBooks& books) override {
+        void after(const Simulation& simulation, const TickStatistics& books) override {
             if (books.left_out) return;
             times.push_back(books.time_s);
-            went_s = std::max(went_s, simulation.went_s());
+            advanced_s = std::max(advanced_s, simulation.advanced_s());
         }
         int asked = 0;
-        double went_s = 0;
+        double advanced_s = 0;
         std::vector<double> times;
     } pauses;
-    class Hand final : public Device {  // which goes on meanwhile
+    class Hand final : public Device {  // moves on during the pause
        public:
         std::string name() const override { return "hand"; }
         DeviceSample read(double time_s) noexcept override { return sample_at(0.05, 0.098 + (time_s > 1 ? 0.004 : 0.0)); }
-        DeviceSample stand_still(double time_s) noexcept override {
+        DeviceSample skip_tick(double time_s) noexcept override {
             ++stood;
             return read(time_s);
         }
@@ -337,27 +338,27 @@ TEST_CASE("a pause is none of the tissue's time: not made up for, not lost, and 
     CHECK(hand.stood == 3000);
     REQUIRE(pauses.times.size() == 100);
     for (std::size_t k = 0; k < 100; ++k) CHECK(pauses.times[k] == Approx(1e-3 * static_cast<double>(k)).margin(1e-12));
-    CHECK(pauses.went_s == Approx(1e-3));
+    CHECK(pauses.advanced_s == Approx(1e-3));
     CHECK(simulation.record().time_s == Approx(0.1));
     CHECK(simulation.counters().lost_s == 0);
     CHECK(simulation.safety().counters().jump == 0);  // 4 mm, but in three seconds
 }
 
-TEST_CASE("the hand's way in a pause is no speed of the tick after it", "[device]") {
+TEST_CASE("the hand's motion during a pause gives no speed in the next tick", "[device]") {
     const HapticModel model(law_example(), {});
     const auto hand = [](int k) { return sample_at(0.05, 0.102 - 2e-4 * k); };  // 0.2 m/s
     Simulation paused(model), late(model);
     for (int k = 0; k < 40; ++k)
         for (Simulation* s : {&paused, &late}) s->tick(hand(k), 1e-3);
     REQUIRE(paused.safety().force_N().norm() > 0);
-    paused.stand_still(hand(40), 1e-3);
+    paused.skip_tick(hand(40), 1e-3);
     paused.tick(hand(41), 1e-3);
     late.tick(hand(41), 2e-3);
     CHECK(paused.record().coupling_N.norm() > 0);
     CHECK(paused.record().coupling_N.norm() < 1.02 * late.record().coupling_N.norm());
 }
 
-TEST_CASE("the energy of the force that was held until a pause began is booked, and none of the pause", "[device]") {
+TEST_CASE("the energy of a force held until a pause is counted and none of the pause itself", "[device]") {
     class Pause final : public TickHook {
        public:
         bool before(Simulation& simulation) override {
@@ -366,11 +367,12 @@ TEST_CASE("the energy of the force that was held until a pause began is booked, 
             if (asked == 601) after_J = given_J;
             return asked <= 300 || asked > 600;
         }
-        void after(const Simulation&, const TickBooks&) override {}
+        void after(const Simulation&, const TickStatistics&) override {}
         int asked = 0;
         double before_J = 0, held_N = 0, after_J = 0;
     } pause;
-    class Hand final : public Device {  // pressed in; 1 mm out in the period in which the pause begins, and 2 mm more while it lasts
+    // Indents; moves out by 1 mm in the period in which the pause begins, and by 2 mm more during the pause.
+    class Hand final : public Device {
        public:
         std::string name() const override { return "hand"; }
         DeviceSample read(double time_s) noexcept override {
@@ -388,10 +390,10 @@ TEST_CASE("the energy of the force that was held until a pause began is booked, 
     REQUIRE(pause.held_N > 0.2);
     CHECK(pause.after_J - pause.before_J == Approx(1e-3 * pause.held_N));
     CHECK(simulation.safety().counters().jump == 0);
-    CHECK(simulation.contact().pressing);  // the same contact goes on
+    CHECK(simulation.contact().pressing);  // the same contact continues
 }
 
-TEST_CASE("a session of no length that there is does not begin", "[device]") {
+TEST_CASE("a session of invalid length does not begin", "[device]") {
     const HapticModel model(haptic_example(), {});
     for (double seconds : {-1.0, std::nan(""), 1.1 * longest_session_s, 1e300, std::numeric_limits<double>::infinity()}) {
         Motors motors;

@@ -25,7 +25,7 @@ std::pair<int, double> place(const SpringMesh& mesh, const Eigen::Vector2d& x) {
 
 }  // namespace
 
-TEST_CASE("every load case is served by its own set", "[selector]") {
+TEST_CASE("every load case selects its own spring set", "[selector]") {
     const TissueModel model = haptic_example();
     const Selector selector = make(model);
     for (int c = 0; c < model.case_count(); ++c) {
@@ -34,16 +34,16 @@ TEST_CASE("every load case is served by its own set", "[selector]") {
     }
 }
 
-TEST_CASE("nearest: position before angle before magnitude", "[selector]") {
+TEST_CASE("the nearest set is chosen by position before angle before magnitude", "[selector]") {
     const TissueModel model = haptic_example();
     const Selector selector = make(model);
-    const auto [segment, w] = place(model.mesh, {0.02, 0.1});  // between top-left corner and the top's middle
+    const auto [segment, w] = place(model.mesh, {0.02, 0.1});  // between the top-left corner and the middle of the top
     const int steep = selector.select(segment, w, {0.0001, -0.0112}), deep = selector.select(segment, w, {0.0101, -0.0099});
     CHECK(model.case_names[static_cast<std::size_t>(steep)] == "tl-down-10mm");
     CHECK(model.case_names[static_cast<std::size_t>(deep)] == "tl-diagonal-15mm");
 }
 
-TEST_CASE("any push anywhere is served by a set that there is", "[selector]") {
+TEST_CASE("any tool displacement or force anywhere selects an existing set", "[selector]") {
     const TissueModel model = haptic_example();
     Draw draw(3);
     for (auto by : {SelectBy::displacement, SelectBy::force}) {
@@ -58,10 +58,11 @@ TEST_CASE("any push anywhere is served by a set that there is", "[selector]") {
     }
 }
 
-TEST_CASE("by force, a set serves where the force is the one that it gives at its own case", "[selector]") {
+TEST_CASE("selection by force finds the set of a straight load case by its equilibrium force", "[selector]") {
     const TissueModel model = haptic_example();
     const Selector selector = make(model, SelectBy::force);
-    for (int c = 0; c < 6; ++c) {  // straight pushes: force along the push by symmetry of the isotropic law
+    // Straight indentations: the force is along the displacement by symmetry of the isotropic law.
+    for (int c = 0; c < 6; ++c) {
         const Eigen::Vector2d position = model.contact_m.row(c);
         const auto rest = solve_equilibrium(model.mesh, *make_spring_law(model.law), model.trained[0].theta.row(c).transpose(),
                                             locate_on_surface(model.mesh, position), model.magnitude_m[c] * model.direction.row(c));
@@ -71,7 +72,7 @@ TEST_CASE("by force, a set serves where the force is the one that it gives at it
     }
 }
 
-TEST_CASE("a model without sets, or by force without an equilibrium, is refused", "[selector]") {
+TEST_CASE("selection without sets or by force without an equilibrium is refused", "[selector]") {
     TissueModel empty = haptic_example();
     empty.case_names.clear();
     refusal<MismatchError>([&] { make(empty); });

@@ -1,4 +1,5 @@
-// The table of session options: every row is a field, its default is what a session uses, and its range is what check_options() refuses.
+// The table of session options. Every row is a field, its default is what a session uses, and check_options() refuses
+// values outside its range.
 #include "haptic/session_options.h"
 
 #include <catch2/catch.hpp>
@@ -16,13 +17,14 @@ using namespace tissue;
 
 namespace {
 
-/// A list of two equal numbers, or one.
+/// The number as text, twice for a list.
 std::string text(const SessionOption& option, double value) {
     const std::string one = fmt::format("{}", value);
     return option.is_list() ? one + " " + one : one;
 }
 
-/// What check_options() says to this value; "" where it takes it. A kinetic friction needs a static one, dt a hold of twice its length.
+/// Message of check_options() for this value; "" where it is accepted. Other options are set so that only this one can
+/// be refused: friction-slip needs friction, dt a hold of twice its length, hold a short dt.
 std::string refused(const SessionOption& option, double value) {
     HapticOptions options;
     if (option.name == std::string("friction-slip")) options.friction.stick = 1e300;
@@ -39,7 +41,7 @@ std::string refused(const SessionOption& option, double value) {
 
 }  // namespace
 
-TEST_CASE("names of session options are unique, spelled with -, and each exists somewhere", "[options]") {
+TEST_CASE("names of session options are unique and of lower-case letters and hyphens and every option exists somewhere", "[options]") {
     std::set<std::string> names;
     for (const SessionOption& option : session_options()) {
         const std::string name = option.name;
@@ -53,7 +55,7 @@ TEST_CASE("names of session options are unique, spelled with -, and each exists 
     }
 }
 
-TEST_CASE("the default of a session option is what a session uses, and a value of it", "[options]") {
+TEST_CASE("the default of a session option is the value that a session uses", "[options]") {
     const HapticModel springs(haptic_example(), {});
     for (const SessionOption& option : session_options()) {
         INFO(option.name);
@@ -75,7 +77,7 @@ TEST_CASE("the default of a session option is what a session uses, and a value o
     CHECK_FALSE(interface_options().heuristic_mesh);
 }
 
-TEST_CASE("a number outside the range of its option is refused with option, range, unit and value; the ends are as the range says", "[options]") {
+TEST_CASE("a number outside the range of its option is refused with option and range and unit and value", "[options]") {
     constexpr double inf = std::numeric_limits<double>::infinity();
     int numbers = 0;
     for (const SessionOption& option : session_options()) {
@@ -83,11 +85,12 @@ TEST_CASE("a number outside the range of its option is refused with option, rang
         ++numbers;
         const Allowed& a = option.allowed;
         for (const double value : {std::nan(""), -inf, inf, -1.0, 0.0, a.low, a.high, std::nextafter(a.low, -inf), std::nextafter(a.low, inf), std::nextafter(a.high, -inf), std::nextafter(a.high, inf)}) {
-            if (std::holds_alternative<SessionOption::Of<int>>(option.field) && !(value == std::floor(value) && std::isfinite(value))) continue;  // is no text of it
+            // no text of an int
+            if (std::holds_alternative<SessionOption::Of<int>>(option.field) && !(value == std::floor(value) && std::isfinite(value))) continue;
             const std::string why = refused(option, value), unit = option.unit;
             INFO(option.name << " = " << value << ": " << why);
             const bool inside = value == a.low ? a.with_low : value == a.high ? a.with_high : value > a.low && value < a.high;
-            // the largest finite number lies in an open range without end
+            // The largest finite number lies inside a range without an end.
             if (inside && std::isfinite(value) && std::abs(value) > 1e299) continue;
             CHECK(why == (inside ? "" : fmt::format("{} must lie in {}{}, not {}", option.name, option.values(), unit == "1" ? "" : " " + unit, value)));
         }
@@ -95,7 +98,7 @@ TEST_CASE("a number outside the range of its option is refused with option, rang
     CHECK(numbers >= 13);
 }
 
-TEST_CASE("a text that is no value of its option is refused, and names it", "[options]") {
+TEST_CASE("a text that is no value of its option is refused with the option's name", "[options]") {
     HapticOptions options;
     for (const SessionOption& option : session_options()) {
         INFO(option.name);
@@ -107,10 +110,10 @@ TEST_CASE("a text that is no value of its option is refused, and names it", "[op
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "offset", "1"); }), Catch::Matchers::Equals("offset must be two or three numbers, not '1'"));
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "heuristic", "1"); }), Catch::Matchers::Equals("heuristic must be one of yes, no, not '1'"));
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "rotation", "0 0 1 0"); }), Catch::Matchers::StartsWith("rotation must be two or three numbers"));
-    // of a session that runs
+    // Options of a running session.
     set_option(options, "scale", "2", live);
     CHECK(options.map.scale == 2);
-    CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "dt", "0.002", live | limits); }), Catch::Matchers::Equals("option 'dt' stays as it was when the session began"));
-    CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "slew", "1", live); }), Catch::Matchers::Equals("option 'slew' may change until the first tick alone"));
+    CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "dt", "0.002", live | limits); }), Catch::Matchers::Equals("option 'dt' cannot change after the session has begun"));
+    CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "slew", "1", live); }), Catch::Matchers::Equals("option 'slew' may change only until the first tick"));
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "colour", "red"); }), Catch::Matchers::Equals("there is no option 'colour'"));
 }

@@ -1,4 +1,4 @@
-// A session as a value, and what may change while it runs.
+// Saving, restoring and copying a session, and changes while it runs.
 #include <catch2/catch.hpp>
 
 #include <cstring>
@@ -35,11 +35,11 @@ std::vector<Kind> kinds() {
 HapticOptions sliding() {
     HapticOptions o;
     o.friction.stick = 0.3;
-    o.safety.force_max_N = 0.7;  // so that clamps and the observer have something to do
+    o.safety.force_max_N = 0.7;  // so that the force limit and the observer act
     return o;
 }
 
-/// In and out, along the surface, with faults, and late now and then.
+/// In and out and along the surface, with an invalid sample now and then.
 DeviceSample way(int k, bool solid) {
     const double t = 1e-3 * k, deep = 0.006 * std::sin(3.14 * t);
     DeviceSample sample = solid ? sample_at({0.03 + 0.004 * std::sin(5 * t), 0.03, 0.051 - deep}) : sample_at(0.05 + 0.006 * std::sin(5 * t), 0.101 - deep);
@@ -49,7 +49,7 @@ DeviceSample way(int k, bool solid) {
 
 double elapsed(int k) { return k % 50 == 7 ? 0.003 : k % 61 == 3 ? 4e-4 : 0; }
 
-/// What goes out in these ticks, and what is left of the tissue, as bytes.
+/// Forces and other results of these ticks, and the displacements at the end.
 std::vector<double> played(Simulation& s, int from, int to, bool solid) {
     std::vector<double> out;
     for (int k = from; k < to; ++k) {
@@ -77,18 +77,18 @@ HapticOptions alone() {
 
 DeviceSample top(double depth_m, double x_m = 0.052) { return sample_at(x_m, 0.1 - depth_m); }
 
-/// In by so much within a fifth of a second from where it was, and waits until nothing swings.
+/// Moves the tool to another depth within a fifth of a second and waits until oscillations have decayed.
 void press(Simulation& s, double from_m, double to_m, double x_m = 0.052) {
     for (int k = 0; k <= 3000; ++k) s.tick(top(from_m + std::min(1.0, k / 200.0) * (to_m - from_m), x_m));
 }
 
 }  // namespace
 
-TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[state][long]") {
+TEST_CASE("a saved or restored or copied session continues bit for bit", "[state][long]") {
     for (const Kind& kind : kinds()) {
         HapticOptions options = sliding();
         options.stiffest = 2;
-        if (kind.tissue.energy_law) options.safety.force_max_N = 0.1;  // a tool that has to stay behind
+        if (kind.tissue.energy_model) options.safety.force_max_N = 0.1;  // the tool has to stay behind the hand
         options.energy_book = std::string(kind.name) == "law that relaxes";
         const HapticModel model(kind.tissue, options);
         Simulation s(model), other(model);
@@ -97,15 +97,15 @@ TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[
         for (const int until : {40, 223, 390, 751, 1400}) {
             played(s, at, until, kind.solid);
             at = until;
-            const auto learn = [](Simulation& session) {  // while it plays
-                LawStiffness stiffer = session.law()->stiffness();
+            const auto learn = [](Simulation& session) {  // during the session
+                EnergyModelStiffness stiffer = session.law()->stiffness();
                 stiffer.constants *= 1.3;
                 stiffer.patch.log_N_m.row(0).array() += 0.1;
                 session.law()->become(stiffer);
-                session.law_changed();
+                session.energy_model_changed();
             };
             if (s.law() && until == 390) learn(s);
-            const auto go_on = [&](Simulation& session) {  // where the tool has stayed behind the hand before the law learns
+            const auto go_on = [&](Simulation& session) {  // where the tool is behind the hand before the model changes
                 if (session.law() && until == 223) learn(session);
                 return played(session, at, at + 400, kind.solid);
             };
@@ -117,7 +117,7 @@ TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[
             }
             Simulation copy(s);
             const bool behind = s.held_back();
-            if (kind.tissue.energy_law && until == 223) CHECK(behind);
+            if (kind.tissue.energy_model && until == 223) CHECK(behind);
             const std::vector<double> went_on = go_on(s);
             CHECK(alike(went_on, go_on(copy)));
             other.restore(state.data(), state.size());
@@ -134,7 +134,7 @@ TEST_CASE("a session that was saved, restored or copied goes on bit for bit", "[
     }
 }
 
-TEST_CASE("a copy knows whether kinetic friction is of its own, also where it is the static one", "[state]") {
+TEST_CASE("a copy keeps whether a kinetic friction coefficient was given even if it equals the static one", "[state]") {
     for (const bool own : {true, false}) {
         HapticOptions options = alone();
         options.friction.stick = 0.3;
@@ -146,18 +146,18 @@ TEST_CASE("a copy knows whether kinetic friction is of its own, also where it is
     }
 }
 
-TEST_CASE("bytes that are no state of such a session are refused, and it stays as it was", "[state]") {
+TEST_CASE("bytes that are no state of this session are refused and leave it unchanged", "[state]") {
     const TissueModel tissue = law_example();
     const HapticModel model(tissue, alone());
     HapticOptions finer = alone();
     finer.dt_s = 5e-4;
     const HapticModel other(tissue, finer);
     TissueModel stiffer = tissue;
-    stiffer.energy_law->constants *= 1.01;
+    stiffer.energy_model->constants *= 1.01;
     const HapticModel third(stiffer, alone());
-    TissueModel curved = tissue, curved_otherwise = tissue;  // as long as no spring is half as long again
-    curved.energy_law->curve = SpringCurve::mooney_rivlin(0.1, 2, 0.5, 1.5);
-    curved_otherwise.energy_law->curve = SpringCurve::mooney_rivlin(0.1, 2, 0.5, 1.6);
+    TissueModel curved = tissue, curved_otherwise = tissue;  // equal for springs up to 1.5 times their length
+    curved.energy_model->curve = SpringCurve::mooney_rivlin(0.1, 2, 0.5, 1.5);
+    curved_otherwise.energy_model->curve = SpringCurve::mooney_rivlin(0.1, 2, 0.5, 1.6);
     CHECK(HapticModel(curved, alone()).fingerprint != HapticModel(curved_otherwise, alone()).fingerprint);
     CHECK(HapticModel(curved, alone()).fingerprint == HapticModel(curved, alone()).fingerprint);
     Simulation s(model);
@@ -169,14 +169,14 @@ TEST_CASE("bytes that are no state of such a session are refused, and it stays a
     for (const std::size_t at : {std::size_t(2), std::size_t(40), state.size() - 1}) {
         std::vector<std::byte> damaged = state;
         damaged[at] ^= std::byte{1};
-        CHECK_THAT(refusal<MismatchError>([&] { s.restore(damaged.data(), damaged.size()); }), Contains("no session's state") || Contains("damaged"));
+        CHECK_THAT(refusal<MismatchError>([&] { s.restore(damaged.data(), damaged.size()); }), Contains("not the state of a session") || Contains("damaged"));
     }
     CHECK_THAT(refusal<MismatchError>([&] { of_other.restore(state.data(), state.size()); }), Contains("another model"));
     CHECK_THAT(refusal<MismatchError>([&] { of_third.restore(state.data(), state.size()); }), Contains("another model"));
     CHECK(alike(played(s, 0, 200, false), played(twin, 0, 200, false)));
 }
 
-TEST_CASE("one model serves many sessions in many threads, each by itself", "[state]") {
+TEST_CASE("one model serves sessions in several threads without interaction", "[state]") {
     const HapticModel model(relaxing(law_example()), sliding());
     Simulation lonely(model);
     const std::vector<double> expected = played(lonely, 0, 1200, false);
@@ -189,16 +189,16 @@ TEST_CASE("one model serves many sessions in many threads, each by itself", "[st
         });
     for (std::thread& thread : threads) thread.join();
     for (const std::vector<double>& mine : got) CHECK(alike(mine, expected));
-    // and a law that one of them learns is its own
+    // A model changed in one session is that session's own.
     Simulation learns(model), not_touched(model);
-    LawStiffness stiffer = learns.law()->stiffness();
+    EnergyModelStiffness stiffer = learns.law()->stiffness();
     stiffer.constants *= 1.3;
     learns.law()->become(stiffer);
     CHECK(alike(played(not_touched, 0, 1200, false), expected));
     CHECK_FALSE(alike(played(learns, 0, 1200, false), expected));
 }
 
-TEST_CASE("offset, rotation, scale and friction change while a session runs", "[state]") {
+TEST_CASE("offset and rotation and force scale and friction change during a session", "[state]") {
     const HapticModel model(law_example(), alone());
     Simulation s(model);
     press(s, -0.002, 0.004);
@@ -206,7 +206,8 @@ TEST_CASE("offset, rotation, scale and friction change while a session runs", "[
     REQUIRE(force_N > 0.2);
     HapticOptions o = s.options();
 
-    // the force on the hand turns with the device, and the tissue's does not: a quarter turn that leaves the tool where it is
+    // A quarter turn of the device that leaves the tool in place: the force on the hand turns, that on the tissue does
+    // not.
     const Eigen::Vector3d before_N = s.record().device_N, device_m = s.record().device_m;
     o.map.rotation_rad = Eigen::Vector3d(0, 0, 1.5707963267948966);
     o.map.offset_m = Point(s.record().master_m) - Point(Eigen::Vector2d(-device_m.y(), device_m.x()));
@@ -219,14 +220,14 @@ TEST_CASE("offset, rotation, scale and friction change while a session runs", "[
     CHECK((s.record().device_N - Eigen::Vector3d(before_N.y(), -before_N.x(), 0)).norm() < 1e-3 * force_N);
     CHECK(s.options().map.to_tissue(s.options().map.to_device(s.record().master_m)).isApprox(s.record().master_m));
 
-    // a twice as large force
+    // Twice the force.
     o = s.options();
     o.map.force_scale = 2;
     s.change(o);
     for (int k = 0; k < 100; ++k) s.tick(sample);
     CHECK(s.record().device_N.norm() == Approx(2 * force_N).epsilon(1e-3));
 
-    // what is refused changes nothing
+    // Refused changes change nothing.
     for (int which = 0; which < 4; ++which) {
         HapticOptions wrong = s.options();
         if (which == 0) wrong.map.scale = -1;
@@ -239,7 +240,7 @@ TEST_CASE("offset, rotation, scale and friction change while a session runs", "[
         CHECK(s.options().device.mass_kg == 0);
     }
 
-    // friction begins, and the tool slips
+    // With friction the tool slips.
     const double x = s.record().master_m.x();
     o = s.options();
     o.friction.stick = 0.2;
@@ -252,7 +253,7 @@ TEST_CASE("offset, rotation, scale and friction change while a session runs", "[
     for (int k = 0; k < 300; ++k) s.tick(at(Eigen::Vector2d(x + 2e-5 * k, y)));
     CHECK(s.friction().dissipated_J() > 0);
 
-    // a jump of the tool is a new start
+    // After a jump of the tool it is not armed.
     o = s.options();
     o.map.offset_m.y() -= 0.01;
     s.change(o);
@@ -261,7 +262,7 @@ TEST_CASE("offset, rotation, scale and friction change while a session runs", "[
     CHECK(s.safety().counters().jump == 0);
 }
 
-TEST_CASE("with the clutch the hand moves and the tool stays", "[state]") {
+TEST_CASE("with the clutch on the hand moves without force and the tool stays", "[state]") {
     for (const Kind& kind : kinds()) {
         if (kind.solid) continue;
         const HapticModel model(kind.tissue, alone());
@@ -287,16 +288,16 @@ TEST_CASE("with the clutch the hand moves and the tool stays", "[state]") {
         INFO(kind.name);
         CHECK(change_N <= model.options.safety.slew_N_s * 1e-3 * (1 + 1e-9));
         CHECK(s.record().device_N.norm() == Approx(std::string(kind.name) == "law that relaxes" ? s.record().coupling_N.norm() : force_N).epsilon(0.01));
-        // the tool goes on from there
+        // The tool continues from its place.
         sample.position_m.y() -= 1e-3;
         s.tick(sample);
         CHECK((s.record().master_m - Eigen::Vector2d(0.052, 0.095)).norm() < 1e-9);
     }
 }
 
-TEST_CASE("a session goes on where one of another model was, and the force does not jump", "[state][long]") {
+TEST_CASE("a session of another model takes over without a jump of force", "[state][long]") {
     TissueModel soft = law_example(), stiff = soft, coarse = law_example(make_lattice("grid8", 8, 8, 0.1, 0.1));
-    stiff.energy_law->constants *= 1.5;
+    stiff.energy_model->constants *= 1.5;
     const TissueModel after[] = {stiff, coarse, relaxing(soft), haptic_example()};
     for (const TissueModel& tissue : after) {
         const HapticModel model(soft, alone()), next_model(tissue, alone());
@@ -319,10 +320,11 @@ TEST_CASE("a session goes on where one of another model was, and the force does 
         }
         press(fresh, -0.002, 0.004);
         CHECK(change_N < 0.02 * std::max(s.record().device_N.norm(), fresh.record().device_N.norm()));
-        const bool relaxes = tissue.energy_law && !tissue.energy_law->relaxation.empty();  // then it matters when the tool came
+        // then the time of the contact matters
+        const bool relaxes = tissue.energy_model && !tissue.energy_model->relaxation.empty();
         CHECK(last.norm() == Approx(fresh.record().device_N.norm()).epsilon(relaxes ? 0.05 : 0.005));
     }
-    // of another number of axes, or too stiff for the device: refused
+    // Refused: another number of axes, and tissue too stiff for the device.
     const HapticModel plane(soft, alone()), space(solid_example(), alone());
     Simulation s(plane), in_space(space);
     CHECK_THROWS_AS(in_space.follow(s), MismatchError);
@@ -331,8 +333,8 @@ TEST_CASE("a session goes on where one of another model was, and the force does 
     s.change(light);
     const HapticModel harder(stiff, alone());
     Simulation refuses(harder);
-    CHECK_THAT(refusal<MismatchError>([&] { refuses.follow(s); }), Contains("the device can show"));
-    // stopped after it was followed: no force until the tool has been outside
+    CHECK_THAT(refusal<MismatchError>([&] { refuses.follow(s); }), Contains("the device can render"));
+    // Stopped after follow(): no force until the tool has been outside.
     Simulation stopped(plane), follower(plane);
     press(stopped, -0.002, 0.004);
     follower.follow(stopped);
@@ -346,7 +348,7 @@ TEST_CASE("a session goes on where one of another model was, and the force does 
     }
     for (int k = 0; k < 20; ++k) follower.tick(top(-0.01));
     CHECK(follower.record().status == TickStatus::done);
-    // a force-scale that has grown meanwhile beyond what the device can show of the other tissue
+    // A force scale that has grown since follow() beyond what the device can show of the other tissue.
     HapticOptions few = s.options(), more = few;
     few.device.stiffness_N_m = more.device.stiffness_N_m = 2.5 * plane.meshes[0]->static_N_m;
     more.map.force_scale = 2;
@@ -355,9 +357,10 @@ TEST_CASE("a session goes on where one of another model was, and the force does 
     other.follow(grows);
     other.check_take_over(grows);
     grows.change(more);
-    CHECK_THAT(refusal<MismatchError>([&] { other.check_take_over(grows); }), Contains("the device can show"));
+    CHECK_THAT(refusal<MismatchError>([&] { other.check_take_over(grows); }), Contains("the device can render"));
     CHECK_THROWS_AS(in_space.check_take_over(grows), MismatchError);
-    // the device's limits and what is known of it go on, whatever the other model was opened with, and are part of the state
+    // The device's limits and impedance are taken over, whatever the other model was opened with, and are part of the
+    // state.
     HapticOptions weak = alone();
     weak.safety.force_max_N = 0.1;
     weak.safety.slew_N_s = 50;
@@ -386,14 +389,14 @@ TEST_CASE("a session goes on where one of another model was, and the force does 
     double largest_N = 0;
     for (int k = 0; k < 1000; ++k) largest_N = std::max(largest_N, takes.tick(top(0.006), 0.015).norm());
     CHECK(largest_N == Approx(0.1).epsilon(1e-3));
-    CHECK(takes.safety().counters().late == 0);  // of the hold that goes on
+    CHECK(takes.safety().counters().late == 0);  // with the hold that was taken over
     HapticOptions slow = alone();
     slow.safety.hold_s = 1;
     slow.dt_s = 0.02;
     const HapticModel of_slow(stiff, slow);
     Simulation too_slow(of_slow);
     CHECK_THAT(refusal<MismatchError>([&] { too_slow.check_take_over(s); }), Contains("dt is 0.02 s"));
-    // a tool outside: nothing but the tissue has changed
+    // A tool outside: only the tissue changes.
     Simulation outside(plane), next(harder);
     for (int k = 0; k < 20; ++k) outside.tick(top(-0.01));
     next.follow(outside);
@@ -402,7 +405,7 @@ TEST_CASE("a session goes on where one of another model was, and the force does 
     CHECK(next.record().device_N.norm() > 0.1);
 }
 
-TEST_CASE("a session that is taken over while the tool slips goes on without a jump of force", "[state]") {
+TEST_CASE("a take-over during slip continues without a jump of force", "[state]") {
     HapticOptions o = alone();
     o.friction.stick = 0.2;
     const HapticModel model(law_example(), o);
@@ -431,14 +434,15 @@ TEST_CASE("a session that is taken over while the tool slips goes on without a j
     for (int k = 0; k < 300; ++k) {
         x_m += 2e-5;
         const Eigen::Vector3d force = along(next);
-        INFO("tick " << k << " after it was taken over");
+        INFO("tick " << k << " after the take-over");
         CHECK((force - last).norm() < std::max(2 * usual_N, 0.02 * last.norm()));
         last = force;
     }
 }
 
-TEST_CASE("a session that was taken over feels what a hand does next as the one that played on", "[state]") {
-    for (const auto& [to_m, mu] : {std::pair{0.008, 1.0}, {-0.002, 1.0}, {0.008, 0.0}, {-0.002, 0.0}, {-0.002, 0.02}}) {  // deeper, or out; little friction always slips
+TEST_CASE("after a take-over the force on a moving hand stays within a quarter of the peak of the original session's", "[state]") {
+    // deeper, or out; with little friction the contact always slips
+    for (const auto& [to_m, mu] : {std::pair{0.008, 1.0}, {-0.002, 1.0}, {0.008, 0.0}, {-0.002, 0.0}, {-0.002, 0.02}}) {
         HapticOptions o = alone();
         o.friction.stick = mu;
         const HapticModel model(law_example(), o);
@@ -451,7 +455,7 @@ TEST_CASE("a session that was taken over feels what a hand does next as the one 
         for (int k = 1; k <= 250; ++k) {
             const double part = std::min(1.0, k / 200.0), depth_m = 0.004 + (to_m - 0.004) * part * part * part * (10 - 15 * part + 6 * part * part);
             const Eigen::Vector3d usual_N = plays.tick(top(depth_m, 0.04)), force_N = next.tick(top(depth_m, 0.04));
-            INFO("tick " << k << " at " << depth_m << " m: " << force_N.transpose() << " N, of the one that plays on " << usual_N.transpose());
+            INFO("tick " << k << " at " << depth_m << " m: " << force_N.transpose() << " N, of the original session " << usual_N.transpose());
             most_N = std::max(most_N, usual_N.norm());
             off_N = std::max(off_N, (force_N - usual_N).norm());
         }
@@ -460,22 +464,22 @@ TEST_CASE("a session that was taken over feels what a hand does next as the one 
     }
 }
 
-TEST_CASE("a session takes over no contact that has begun since it was led there", "[state]") {
+TEST_CASE("a take-over is refused when a contact has begun since follow()", "[state]") {
     const HapticModel model(law_example(), alone());
     Simulation plays(model);
     for (int k = 0; k < 20; ++k) plays.tick(top(-0.01));
     Simulation early(model), beside(model), still(model);
     early.follow(Simulation(plays));
     press(plays, -0.002, 0.004);
-    CHECK_THAT(refusal<MismatchError>([&] { early.check_take_over(plays); }), Contains("has begun another contact since it was followed"));
+    CHECK_THAT(refusal<MismatchError>([&] { early.check_take_over(plays); }), Contains("has made a new contact since follow()"));
     beside.follow(Simulation(plays));
     still.follow(Simulation(plays));
     beside.check_take_over(plays);
     for (int k = 0; k <= 400; ++k) plays.tick(top(0.004 - 3e-5 * k));
     still.check_take_over(plays);  // outside: no contact to take over
     press(plays, -0.008, 0.004, 0.03);
-    CHECK_THAT(refusal<MismatchError>([&] { beside.check_take_over(plays); }), Contains("has begun another contact since it was followed"));
-    // one that was taken over in between is the same contact, one that was restored is another
+    CHECK_THAT(refusal<MismatchError>([&] { beside.check_take_over(plays); }), Contains("has made a new contact since follow()"));
+    // After a take-over in between it is the same contact; a restored one is another.
     Simulation first(model), second(model), third(model);
     first.follow(Simulation(plays)), second.follow(Simulation(plays)), third.follow(Simulation(plays));
     first.take_over(plays);
@@ -487,7 +491,7 @@ TEST_CASE("a session takes over no contact that has begun since it was led there
     CHECK_THROWS_AS(third.check_take_over(plays), MismatchError);
 }
 
-TEST_CASE("what branches store and have dissipated is 0 unless a session keeps an energy log of them", "[state]") {
+TEST_CASE("energies of Maxwell branches are zero unless a session keeps an energy log", "[state]") {
     for (const bool kept : {false, true}) {
         HapticOptions o = alone();
         o.energy_book = kept;
@@ -499,7 +503,7 @@ TEST_CASE("what branches store and have dissipated is 0 unless a session keeps a
     }
 }
 
-TEST_CASE("no state gives a session that has ticked other limits, or makes them changeable again", "[state]") {
+TEST_CASE("a state restored into a session that has ticked changes no limits and does not unlock them", "[state]") {
     HapticOptions weak = alone();
     weak.safety.force_max_N = 0.5;
     const HapticModel model(law_example(), weak);
@@ -518,7 +522,7 @@ TEST_CASE("no state gives a session that has ticked other limits, or makes them 
     CHECK_THROWS_AS(s.follow(Simulation(model)), MismatchError);
 }
 
-TEST_CASE("a hand whose positions come less often than ticks is judged by its own rate", "[state]") {
+TEST_CASE("positions that come every 10 ticks and state their age raise no fault and give nearly the same force", "[state]") {
     const HapticModel model(law_example(), alone());
     const auto led = [](double time_s) {
         const double s = std::clamp(time_s / 0.4, 0.0, 1.0), t = std::clamp((time_s - 0.6) / 0.05, 0.0, 1.0);
@@ -527,7 +531,7 @@ TEST_CASE("a hand whose positions come less often than ticks is judged by its ow
     struct Heard {
         std::vector<double> force_N;
         long long faults = 0, damped_before = 0;
-        double given_before_J = 0;  ///< before it goes out
+        double given_before_J = 0;  ///< before the hand moves out
     };
     const auto felt = [&](int each, bool says_age) {
         Simulation s(model);
@@ -545,13 +549,13 @@ TEST_CASE("a hand whose positions come less often than ticks is judged by its ow
     const Heard usual = felt(1, true), slow = felt(10, true), none = felt(10, false);
     CHECK(usual.faults == 0);
     CHECK(slow.faults == 0);
-    CHECK(none.faults > 0);  // a leap of 8 mm in a tick
+    CHECK(none.faults > 0);  // a jump of 8 mm in a tick
     double off_N = 0, most_N = 0;
     for (std::size_t k = 0; k < 590; ++k) {
         off_N = std::max(off_N, std::abs(usual.force_N[k] - slow.force_N[k]));
         most_N = std::max(most_N, usual.force_N[k]);
     }
-    CHECK(off_N < 0.06 * most_N);  // where the hand will be in 10 ms is a guess
+    CHECK(off_N < 0.06 * most_N);  // the hand's position in 10 ms is extrapolated
     CHECK(slow.force_N[590] == Approx(usual.force_N[590]).epsilon(0.005));
     CHECK(slow.damped_before == usual.damped_before);
     CHECK(slow.given_before_J == Approx(usual.given_before_J).epsilon(0.03));

@@ -20,7 +20,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// The master straight down into the middle of the top: outside for 100 ticks, then at this depth.
+/// The master moves straight down into the top: outside for 100 ticks, then to this depth within 500.
 DeviceSample pressing(long k, double depth = 0.008, double x = 0.047) {
     const double t = std::min(1.0, std::max(0.0, (static_cast<double>(k) - 100) / 500));
     return sample_at(x, 0.102 - t * (0.002 + depth));
@@ -31,11 +31,12 @@ TissueModel model_of(const ExampleModel& e) {
     return e.law == "law" ? law_example(make_lattice(e.topology, e.cells, e.cells, 0.1, 0.1)) : haptic_example(e);
 }
 
-/// A hand that does what hands must not: runs, jumps, tunnels, shakes at corners, and a device that lies.
+/// An adversarial hand: runs, jumps, tunnels and vibrates at corners, with invalid samples.
 class WildHand {
    public:
     explicit WildHand(unsigned long seed) : draw_(seed) {}
-    /// elapsed_s: since the last one. Late, it comes that much farther; early, as far as in a whole period.
+    /// elapsed_s: time since the last sample. After a late tick the hand is that much farther, after an early one as
+    /// far as in a whole period.
     DeviceSample next(const Simulation& s, double elapsed_s = 1e-3) {
         DeviceSample sample;
         if (--left_ <= 0) {
@@ -47,13 +48,13 @@ class WildHand {
             speed_ = draw_.below(2) ? 2e-3 * (1 - 1e-9) : draw_(1e-5, 2e-3);
         }
         Eigen::Vector2d to = aim_;
-        if (mode_ == 1) to = {0.0, 0.1};                               // onto a corner exactly
+        if (mode_ == 1) to = {0.0, 0.1};                               // exactly onto a corner
         if (mode_ == 2) to = s.contact().proxy_m + Eigen::Vector2d(draw_(-1e-3, 1e-3), draw_(-1e-3, 1e-3));
         if (mode_ == 3) to = s.surface(0).at(draw_.below(static_cast<int>(s.model().rest.facets.rows())), {1, 0, 0});
         if (mode_ == 4) to = x_ + 0.01 * Eigen::Vector2d(draw_(-1, 1), draw_(-1, 1));
         const Eigen::Vector2d step = to - x_;
         x_ += step * std::min(1.0, step.norm() > 0 ? speed_ * std::max(1.0, 1e3 * elapsed_s) / step.norm() : 0.0);
-        if (draw_.below(3000) == 0) x_ = {draw_(-0.05, 0.3), draw_(-0.05, 0.15)};  // jumps
+        if (draw_.below(3000) == 0) x_ = {draw_(-0.05, 0.3), draw_(-0.05, 0.15)};  // a jump
         sample.position_m << x_, draw_(-1e-5, 1e-5);
         if (draw_.below(2000) == 0) sample.position_m[draw_.below(3)] = std::numeric_limits<double>::quiet_NaN();
         if (draw_.below(2000) == 0) sample.position_m[draw_.below(3)] = draw_.below(2) ? 1e300 : std::numeric_limits<double>::infinity();
@@ -71,9 +72,9 @@ class WildHand {
 
 struct Attack { const char *topology, *law, *dynamics; double spread, force_scale, coupling; long long usual; bool on_time; double hold_s = force_held_s; };
 
-/// A section of its own.
+/// Runs one kind in a section of its own.
 void attack(const Attack& kind) {
-    DYNAMIC_SECTION(kind.topology << " " << kind.law << " " << kind.dynamics << ", force times " << kind.force_scale << (kind.on_time ? ", on time" : ", at any time") << (kind.hold_s == force_held_s ? "" : fmt::format(", held for {} s", kind.hold_s))) {
+    DYNAMIC_SECTION(kind.topology << " " << kind.law << " " << kind.dynamics << ", force scale " << kind.force_scale << (kind.on_time ? ", on time" : ", irregular ticks") << (kind.hold_s == force_held_s ? "" : fmt::format(", held for {} s", kind.hold_s))) {
         const TissueModel tissue = model_of({kind.topology, kind.law, 10, kind.spread});
         HapticOptions o;
         o.dynamics = kind.dynamics;
@@ -87,12 +88,13 @@ void attack(const Attack& kind) {
         Pace pace(44);
         Port port(s);
         long long inside = 0, pressed = 0;
-        // drawn through itself, tissue that relaxes stays so for its longest time, without force: a reset now and then gives more presses
-        const bool relaxes = tissue.energy_law && !tissue.energy_law->relaxation.empty();
+        // Folded tissue that relaxes stays folded, without force, for its longest relaxation time. Resets give more
+        // contacts.
+        const bool relaxes = tissue.energy_model && !tissue.energy_model->relaxation.empty();
         const long long ticks = adversarial_ticks(kind.usual);
         for (long long k = 0; k < ticks; ++k) {
             if (relaxes && kick.below(1000) == 0) s.reset();
-            if (kick.below(500) == 0) {  // the mesh itself jumps over the proxy
+            if (kick.below(500) == 0) {  // the mesh jumps over the proxy
                 NodeColumns& v = s.state(0).velocity;
                 const int node = model.meshes[0]->springs.outline()[static_cast<std::size_t>(kick.below(40))];
                 if (!model.meshes[0]->springs.fixed(node)) v.row(node) += Eigen::RowVector2d(kick(-3, 3), kick(-3, 3));
@@ -114,14 +116,15 @@ void attack(const Attack& kind) {
         CHECK(port.worst_J() <= port.bound_J() * (1 + 1e-9));
         CHECK(pressed > 0);
         CHECK(port.faults() > 0);
-        // a law drawn through itself is put to rest, and springs that turn; others never need it
-        if (!tissue.energy_law && model.meshes[0]->springs.law().linear_in_displacement()) CHECK((kind.dynamics == std::string("paper")) == (s.counters().unstable > 0));
+        // Linear springs are put to rest with the paper's step only, which diverges. Folded energy models and springs
+        // that turn may be put to rest with any step.
+        if (!tissue.energy_model && model.meshes[0]->springs.law().linear_in_displacement()) CHECK((kind.dynamics == std::string("paper")) == (s.counters().unstable > 0));
     }
 }
 
 }  // namespace
 
-TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within its limits, the proxy outside, the port passive", "[simulation][adversarial]") {
+TEST_CASE("adversarial ticks keep the force within its limits and the proxy outside and the port passive", "[simulation][adversarial]") {
     const Attack kinds[] = {
         {"grid4", "isotropic", "auto", 0.5, 1, 10, 50000, true},
         {"grid4", "isotropic", "auto", 0.5, 1, 10, 50000, false},
@@ -129,7 +132,7 @@ TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within
         {"grid4", "isotropic", "auto", 0.9, 300, 10, 50000, false},
         {"grid8", "axial", "implicit", 0.5, 300, 100, 20000, false},
         {"grid8", "geometric", "auto", 0.5, 300, 10, 50000, false},
-        {"grid4", "isotropic", "paper", 0.5, 300, 10, 30000, false},  // blows up: must stay harmless
+        {"grid4", "isotropic", "paper", 0.5, 300, 10, 30000, false},  // diverges; must stay harmless
         {"grid8", "law", "auto", 0, 1, 10, 50000, true},
         {"grid8", "law", "auto", 0, 1, 10, 50000, false},
         {"grid8", "law", "auto", 0, 10, 100, 20000, false},
@@ -139,7 +142,7 @@ TEST_CASE("adversarial ticks, late, early and in bursts: force finite and within
     for (const Attack& kind : kinds) attack(kind);
 }
 
-TEST_CASE("adversarial ticks on a device that holds its force as long as one of C and Python, and for ever: the port passive", "[simulation][adversarial][long]") {
+TEST_CASE("adversarial ticks keep the port passive on devices that hold a force for longer or without end", "[simulation][adversarial][long]") {
     for (const double hold_s : {interface_options().safety.hold_s, std::numeric_limits<double>::infinity()})
         for (const bool on_time : {true, false}) {
             attack({"grid4", "isotropic", "auto", 0.9, 300, 10, 30000, on_time, hold_s});
@@ -148,7 +151,7 @@ TEST_CASE("adversarial ticks on a device that holds its force as long as one of 
         }
 }
 
-TEST_CASE("a fault makes the force zero in its own tick, and none comes back before the master has been outside", "[simulation]") {
+TEST_CASE("a fault zeroes the force in its own tick and until the master has been outside", "[simulation]") {
     const TissueModel tissue = haptic_example();
     HapticOptions o;
     o.map.force_scale = 100;
@@ -172,12 +175,12 @@ TEST_CASE("a fault makes the force zero in its own tick, and none comes back bef
     }
 }
 
-TEST_CASE("starting inside the tissue, there is no force until the master has been outside once", "[simulation]") {
+TEST_CASE("a session that starts inside tissue has no force until the master has been outside", "[simulation]") {
     for (const char* law : {"isotropic", "law"}) {
         const HapticModel model(model_of({"grid8", law}), {});
         Simulation s(model);
         for (int k = 0; k < 1000; ++k) REQUIRE(s.tick(sample_at(0.05, 0.09)).norm() == 0);
-        CHECK(s.state(0).displacement.norm() < 1e-12);  // nor does the tissue feel anything
+        CHECK(s.state(0).displacement.norm() < 1e-12);  // nor is there a force on the tissue
         CHECK(s.unarmed() == 1000);
         for (int k = 0; k < 100; ++k) s.tick(sample_at(0.05, 0.09 + 2e-4 * k));
         for (int k = 0; k < 100; ++k) s.tick(sample_at(0.05, 0.11 - 2e-4 * k));
@@ -185,7 +188,7 @@ TEST_CASE("starting inside the tissue, there is no force until the master has be
     }
 }
 
-TEST_CASE("an outline that crosses itself has no inside: zero force, and a count", "[simulation]") {
+TEST_CASE("a mesh whose outline crosses itself gives zero force and is counted", "[simulation]") {
     const HapticModel model(haptic_example(), {});
     Simulation s(model);
     for (long k = 0; k < 1000; ++k) s.tick(pressing(k));
@@ -196,7 +199,7 @@ TEST_CASE("an outline that crosses itself has no inside: zero force, and a count
     CHECK(s.counters().folded == 1);
 }
 
-TEST_CASE("a mesh beside the touched one that crosses itself does not end the contact", "[simulation]") {
+TEST_CASE("a self-intersection of the mesh beside the touched one does not end the contact", "[simulation]") {
     const HapticModel model(haptic_example(), {});
     Simulation s(model), folded(model);
     for (long k = 0; k < 1000; ++k) s.tick(pressing(k)), folded.tick(pressing(k));
@@ -207,7 +210,7 @@ TEST_CASE("a mesh beside the touched one that crosses itself does not end the co
     CHECK(folded.counters().folded == 0);
 }
 
-TEST_CASE("nothing is touched anew while a mesh crosses itself", "[simulation]") {
+TEST_CASE("no contact begins while a mesh crosses itself", "[simulation]") {
     const HapticModel model(haptic_example(), {});
     Simulation s(model);
     for (long k = 0; k < 100; ++k) s.tick(pressing(k));
@@ -218,13 +221,13 @@ TEST_CASE("nothing is touched anew while a mesh crosses itself", "[simulation]")
     CHECK(s.counters().folded == 900);
 }
 
-TEST_CASE("springs that turn have another rest below what holds them: a mesh that comes to it is put to its own", "[simulation]") {
+TEST_CASE("a mesh that settles in an equilibrium below its fixed nodes is put to its own rest", "[simulation]") {
     for (const char* law : {"geometric", "law"}) {
         TissueModel tissue = model_of({"grid8", law});
         tissue.law = "geometric";
         const HapticModel model(tissue, {});
         Simulation s(model);
-        const std::size_t m = 1;  // of a law Van Gelder's springs, which know no inside
+        const std::size_t m = 1;  // for an energy model as well: Van Gelder's springs, which do not resist inversion
         for (int k = 0; k < 100; ++k) s.tick(sample_at(0.05, 0.12));
         s.state(m).displacement.col(1) = -2 * model.meshes[m]->springs.rest().col(1);
         s.state(m).theta_changed = true;
@@ -238,7 +241,7 @@ TEST_CASE("springs that turn have another rest below what holds them: a mesh tha
     }
 }
 
-TEST_CASE("limits that are no numbers, or without end, are refused, as are masses that no step follows", "[simulation]") {
+TEST_CASE("invalid or infinite limits and masses without a stable step are refused", "[simulation]") {
     for (double SafetyOptions::*limit : {&SafetyOptions::force_max_N, &SafetyOptions::slew_N_s, &SafetyOptions::speed_max_m_s})
         for (const double wrong : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
             HapticOptions o;
@@ -247,10 +250,10 @@ TEST_CASE("limits that are no numbers, or without end, are refused, as are masse
         }
     TissueModel light = haptic_example();
     light.node_mass_kg *= 1e-200;
-    CHECK_THROWS_WITH(HapticModel(light, {}), Contains("no step is stable"));
+    CHECK_THROWS_WITH(HapticModel(light, {}), Contains("no time integration is stable"));
 }
 
-TEST_CASE("a mesh may lie anywhere; what flies apart is put to rest once", "[simulation]") {
+TEST_CASE("a mesh works far from the origin and is put to rest once when it diverges", "[simulation]") {
     for (double far : {0.0, 3e6}) {
         TissueModel tissue = haptic_example();
         tissue.mesh.nodes.array() += far;
@@ -279,7 +282,7 @@ TEST_CASE("a mesh may lie anywhere; what flies apart is put to rest once", "[sim
     refusal<MismatchError>([&] { HapticModel(tissue, {}); });
 }
 
-TEST_CASE("after a release, a fault and a fold the record holds nothing of the contact before", "[simulation]") {
+TEST_CASE("after a release or a fault or a fold the record has no values of the earlier contact", "[simulation]") {
     const HapticModel model(haptic_example(), {});
     for (int kind = 0; kind < 3; ++kind) {
         Simulation s(model);
@@ -302,11 +305,12 @@ TEST_CASE("after a release, a fault and a fold the record holds nothing of the c
         CHECK(r.contact_displacement_m == Eigen::Vector2d::Zero());
         CHECK(r.coupling_N == Eigen::Vector2d::Zero());
         CHECK(r.device_m == next.position_m);
-        CHECK(r.master_m.y() == Approx(kind == 1 ? 0.092 : next.position_m.y()));  // a refused one is not the master's
+        // a refused position does not move the master
+        CHECK(r.master_m.y() == Approx(kind == 1 ? 0.092 : next.position_m.y()));
     }
 }
 
-TEST_CASE("without contact there is a proxy all the same, of the tissue's dimension: before the first tick, and after a reset", "[simulation]") {
+TEST_CASE("the proxy has the tissue's dimension before the first tick and after a reset", "[simulation]") {
     const HapticModel model(haptic_example(), {});
     Simulation s(model);
     CHECK(s.contact().proxy_m.size() == 2);
@@ -317,7 +321,7 @@ TEST_CASE("without contact there is a proxy all the same, of the tissue's dimens
     CHECK(s.contact().proxy_m.size() == 2);
 }
 
-TEST_CASE("a time since the last tick that is no duration counts as a late tick", "[simulation]") {
+TEST_CASE("an invalid time since the last tick counts as a late tick", "[simulation]") {
     const HapticModel model(haptic_example({"grid4", "isotropic", 10, 0.9}), {});
     for (double unknown : {std::nan(""), std::numeric_limits<double>::infinity(), -0.001}) {
         INFO(unknown);
@@ -331,7 +335,7 @@ TEST_CASE("a time since the last tick that is no duration counts as a late tick"
     }
 }
 
-TEST_CASE("a contact that the mesh carries to another segment has that segment's stiffness", "[simulation]") {
+TEST_CASE("a contact that the mesh moves to another segment has the stiffness of that segment", "[simulation]") {
     TissueModel tissue = haptic_example({"grid4", "isotropic", 10, 0.9});
     HapticOptions o;
     o.dynamics = "symplectic";
@@ -341,7 +345,7 @@ TEST_CASE("a contact that the mesh carries to another segment has that segment's
         for (long k = 0; k < 1000; ++k) s.tick(pressing(k, 0.001));
         REQUIRE(s.contact().pressing);
         const int before = s.contact().where.facet;
-        // the mesh slides along by some segments and back up over the proxy, while the master leaves
+        // The mesh slides along by some segments and back over the proxy, while the master leaves.
         for (int n = 0; n < model.meshes[0]->springs.node_count(); ++n)
             if (!model.meshes[0]->springs.fixed(n)) s.state(0).displacement.row(n) << 0.01 * shift, 0;
         s.state(0).velocity.setZero();
@@ -350,7 +354,7 @@ TEST_CASE("a contact that the mesh carries to another segment has that segment's
         REQUIRE(s.contact().where.facet != before);
         s.tick(sample_at(0.047, 0.1008));
         s.state(0).velocity.setZero();
-        // in next to no time no mesh moves: the force is the coupling's, between the proxy and where the hand will be
+        // Within 1e-12 s no mesh moves: the force is that of the coupling between the proxy and the extrapolated hand.
         s.tick(sample_at(0.047, 0.0989), 1e-12);
         REQUIRE(s.contact().pressing);
         const double dt = model.options.dt_s, ahead_s = dt + model.meshes[0]->contact_damping_s;
@@ -360,8 +364,9 @@ TEST_CASE("a contact that the mesh carries to another segment has that segment's
     }
 }
 
-TEST_CASE("pushing either mesh puts the same force on the other", "[simulation]") {
-    // with equal springs the two meshes then move alike, whichever is touched, but that the other one gets the mean over the touched one's steps
+TEST_CASE("an indentation of either of two equal meshes displaces both alike", "[simulation]") {
+    // With equal springs both meshes move alike, except that the untouched one gets the mean force over the other's
+    // steps.
     TissueModel tissue = haptic_example();
     for (Eigen::Index c = 0; c < tissue.trained[0].theta.rows(); ++c) tissue.trained[0].theta.row(c) = tissue.heuristic_a.transpose();
     const HapticModel model(tissue, {});
@@ -375,7 +380,7 @@ TEST_CASE("pushing either mesh puts the same force on the other", "[simulation]"
     }
 }
 
-TEST_CASE("the moving average is (19), tick by tick", "[simulation]") {
+TEST_CASE("the moving average of spring sets follows (19) in every tick", "[simulation]") {
     const TissueModel tissue = haptic_example();
     HapticOptions o;
     o.innovation = 0.2;
@@ -390,7 +395,7 @@ TEST_CASE("the moving average is (19), tick by tick", "[simulation]") {
     CHECK(s.set() == 3);  // top-15mm
 }
 
-TEST_CASE("the same samples give the same ticks, bit for bit", "[simulation][long]") {
+TEST_CASE("equal samples give bitwise equal ticks", "[simulation][long]") {
     const std::pair<const char*, const char*> kinds[] = {{"isotropic", "symplectic"}, {"isotropic", "implicit"}, {"law", "symplectic"}};
     for (const auto& [law, dynamics] : kinds) {
         HapticOptions o;
@@ -403,7 +408,7 @@ TEST_CASE("the same samples give the same ticks, bit for bit", "[simulation][lon
     }
 }
 
-TEST_CASE("a tick allocates nothing", "[simulation]") {
+TEST_CASE("a tick in the plane allocates nothing", "[simulation]") {
     struct Kind { const char *topology, *law, *dynamics; SelectBy by; };
     for (const Kind& kind : {Kind{"grid4", "isotropic", "symplectic", SelectBy::force},
                              Kind{"grid4", "isotropic", "implicit", SelectBy::displacement},
@@ -430,14 +435,14 @@ TEST_CASE("a tick allocates nothing", "[simulation]") {
     }
 }
 
-TEST_CASE("the hook under allocations sees those of vectors, of Eigen's arrays and of the library", "[simulation]") {
+TEST_CASE("the allocation hook counts allocations of vectors and Eigen arrays and the library", "[simulation]") {
     if (!Allocations::seen()) return;
     const auto seen = [](const auto& work) {
         const Allocations counted;
         work();
         return Allocations::count();
     };
-    // what outlives the count: a compiler may leave out an allocation that nobody can see
+    // These outlive the count, since a compiler may omit an allocation without a visible effect.
     std::vector<double> list;
     Eigen::VectorXd array;
     std::unique_ptr<DeviceSample> one;
@@ -451,14 +456,14 @@ TEST_CASE("the hook under allocations sees those of vectors, of Eigen's arrays a
     CHECK(seen([&] { const Simulation s(model); }) > 10);
 }
 
-TEST_CASE("a tick led by a pointer and watched from another thread allocates nothing", "[simulation]") {
+TEST_CASE("a tick with a pointer and a reading thread allocates nothing", "[simulation]") {
     const HapticModel model(haptic_example(), {});
     Simulation s(model);
     PointerDevice pointer(Eigen::Vector2d(0.05, 0.13), model.options.map, model.options.safety.speed_max_m_s);
     StateChannel channel(model, 3, 64);
     std::atomic<bool> done{false};
     std::atomic<long> fetched{0};
-    std::thread other([&] {  // a page that does everything it can, as fast as it can
+    std::thread other([&] {  // a page that calls every function as fast as it can
         Draw draw(8);
         double us;
         while (!done.load()) {
@@ -472,15 +477,15 @@ TEST_CASE("a tick led by a pointer and watched from another thread allocates not
     });
     long allocations = 0, left_out = 0;
     int before = -1;
-    // until the other thread has had its turn, however busy the machine
+    // Until the other thread has run, however busy the machine.
     for (int k = 0; k < 20000 || (k < 5000000 && (left_out == 0 || fetched.load() == 0)); ++k) {
-        TickBooks books;
+        TickStatistics books;
         books.ticks = k;
         {
             const Allocations none;
             books.left_out = !channel.before(s);
             const double passed_s = 1e-3 * static_cast<double>(k - std::exchange(before, k));
-            if (books.left_out) s.stand_still(pointer.stand_still(k * 1e-3), passed_s);
+            if (books.left_out) s.skip_tick(pointer.skip_tick(k * 1e-3), passed_s);
             else s.tick(pointer.read(k * 1e-3), passed_s);
             channel.after(s, books);
         }
@@ -495,7 +500,7 @@ TEST_CASE("a tick led by a pointer and watched from another thread allocates not
     CHECK(s.safety().counters().jump == 0);
 }
 
-TEST_CASE("device space maps to the tissue's by scale, axes and offset, and power is conserved", "[simulation]") {
+TEST_CASE("the device map applies scale and axes and offset and conserves power", "[simulation]") {
     DeviceMap map;
     map.axes = parse_axes("-z,x");
     map.scale = 2;
@@ -511,7 +516,7 @@ TEST_CASE("device space maps to the tissue's by scale, axes and offset, and powe
     for (const char* bad : {"x", "x,x", "x,w", "x,-x", "", "xy,z", "x,y,z,x", "x,y,x"}) refusal<MismatchError>([&] { parse_axes(bad); });
 }
 
-TEST_CASE("options that make no sense are refused", "[simulation]") {
+TEST_CASE("invalid options of a haptic model are refused", "[simulation]") {
     const TissueModel tissue = haptic_example();
     const auto refused = [&](auto change) {
         HapticOptions o;
@@ -519,7 +524,7 @@ TEST_CASE("options that make no sense are refused", "[simulation]") {
         return refusal<MismatchError>([&] { HapticModel(tissue, o); });
     };
     refused([](HapticOptions& o) { o.dt_s = 0; });
-    refused([](HapticOptions& o) { o.dt_s = 0.6 * force_held_s; });  // the device would let go of every force
+    refused([](HapticOptions& o) { o.dt_s = 0.6 * force_held_s; });  // the device would release every force
     for (const double dt_s : {4e-10, 9e-7}) CHECK(refused([&](HapticOptions& o) { o.dt_s = dt_s; }) == "dt must lie in [1e-06, 0.025] s, not " + std::string(dt_s < 1e-9 ? "4e-10" : "9e-07"));
     refused([](HapticOptions& o) { o.place_m = std::numeric_limits<double>::quiet_NaN(); });
     refused([](HapticOptions& o) { o.safety.damping_max_Ns_m = -1; });
@@ -542,7 +547,7 @@ TEST_CASE("options that make no sense are refused", "[simulation]") {
         CHECK(refused_of_law([&](HapticOptions& o) { o.dynamics = step; }).find(step) != std::string::npos);
 }
 
-TEST_CASE("a master that leaves one mesh into the other is stopped at its surface", "[simulation]") {
+TEST_CASE("the proxy of a master that leaves one mesh into the other stops at the second surface", "[simulation]") {
     HapticOptions o;
     o.place_m = 0.1005;  // half a millimetre between them
     const HapticModel model(haptic_example(), o);

@@ -1,4 +1,4 @@
-// The tick of a law in space: contact, force and safety as in the plane (test_simulation.cpp), along three axes.
+// The tick of an energy model in space: contact, force and safety as in test_simulation.cpp, along three axes.
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
@@ -20,7 +20,7 @@
 #include "mesh/free_surface.h"
 #include "springs/contact_spring.h"
 #include "springs/law_kernel.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 using namespace tissue;
 
@@ -31,7 +31,7 @@ const HapticModel& solid() {
     return model;
 }
 
-/// Goes from where the hand is to a place, and stays.
+/// Moves the hand to a place, and keeps it there.
 class Way {
    public:
     Way(Simulation& s, const Eigen::Vector3d& from_m) : s_(s), at_m_(from_m) {}
@@ -48,7 +48,7 @@ class Way {
     Eigen::Vector3d at_m_;
 };
 
-/// A hand in space that does what no hand should: onto nodes and edges exactly, at full speed, through the tissue, and wrong words.
+/// An adversarial hand in space: exactly onto nodes and edges, at full speed, through the tissue, with invalid samples.
 class WildHand {
    public:
     explicit WildHand(unsigned long seed) : draw_(seed) {}
@@ -63,7 +63,7 @@ class WildHand {
         }
         Eigen::Vector3d to = aim_;
         const int facet = draw_.below(static_cast<int>(s.model().rest.facets.rows()));
-        if (mode_ == 1) to = s.surface(0).at(facet, {1, 0, 0});      // onto a node exactly
+        if (mode_ == 1) to = s.surface(0).at(facet, {1, 0, 0});      // exactly onto a node
         if (mode_ == 2) to = s.surface(0).at(facet, {0.5, 0.5, 0});  // onto an edge
         if (mode_ == 3) to = s.contact().proxy_m + 1e-3 * Eigen::Vector3d(draw_(-1, 1), draw_(-1, 1), draw_(-1, 1));
         if (mode_ == 4) to = x_ + 0.01 * Eigen::Vector3d(draw_(-1, 1), draw_(-1, 1), draw_(-1, 1));
@@ -83,10 +83,10 @@ class WildHand {
     double speed_ = 1e-3;
 };
 
-/// Of the fastest swing of the nodes under a tool there, on it alone [Hz].
+/// Highest frequency of the nodes under a tool at contact_m, with the contact's stiffness alone [Hz].
 double frequency(const TissueModel& tissue, const Eigen::Vector3d& contact_m) {
-    const ContactSpring contact(make_contact_kernel(tissue.mesh, tissue.energy_law->disc_radius_m, tissue.energy_law->disc)->rows_at(contact_m),
-                                tissue.energy_law->patch);
+    const ContactSpring contact(make_contact_kernel(tissue.mesh, tissue.energy_model->disc_radius_m, tissue.energy_model->disc)->rows_at(contact_m),
+                                tissue.energy_model->patch);
     Eigen::MatrixXd K = contact.tangent(Eigen::Vector3d::Zero(), Eigen::VectorXd::Zero(contact.rows.pull.cols()));
     for (Eigen::Index k = 0; k < K.rows(); ++k) {
         const double mass = tissue.node_mass_kg[contact.rows.nodes[static_cast<std::size_t>(k / 3)]];
@@ -98,9 +98,9 @@ double frequency(const TissueModel& tissue, const Eigen::Vector3d& contact_m) {
 
 }  // namespace
 
-TEST_CASE("a solid that is pressed in motion comes to rest where its energy is smallest, and so does the mesh beside it", "[simulation][solid]") {
+TEST_CASE("a solid indented in motion comes to rest at minimum energy and the mesh beside it gets the same force", "[simulation][solid]") {
     const TissueModel tissue = solid_example();
-    const LawPress press(tissue);
+    const IndentationSolver press(tissue);
     Simulation s(solid());
     const Eigen::Vector3d contact(0.043, 0.056, 0.05), push(0.001, -0.002, -0.005);
     Way way(s, contact + Eigen::Vector3d(0, 0, 0.005));
@@ -118,7 +118,7 @@ TEST_CASE("a solid that is pressed in motion comes to rest where its energy is s
     CHECK(r.device_N.dot(push) < 0);
     CHECK(r.device_N.z() > 0);
 
-    // and what is seen of it is what evaluation sees; of the mesh that is not touched its nodes
+    // The displayed displacement is that of evaluation. On both meshes it differs from that of the nodes.
     NodeColumns seen = s.state(0).displacement, other = s.state(1).displacement;
     s.seen(0, seen);
     s.seen(1, other);
@@ -132,7 +132,7 @@ TEST_CASE("a solid that is pressed in motion comes to rest where its energy is s
         s.seen(1, other);
     }
     CHECK(Allocations::count() == 0);
-    // the page draws that, and the tool on it
+    // The page draws the displayed surface, and the tool on it.
     StateChannel channel(s.model(), 1);
     {
         const Allocations counted;
@@ -150,20 +150,20 @@ TEST_CASE("a solid that is pressed in motion comes to rest where its energy is s
     CHECK((on_it - on_lattice).norm() > 1e-4);
     CHECK((r.proxy_m - on_lattice).norm() < 1e-4);
 
-    // the other mesh got the same force
+    // The mesh beside got the same force.
     CHECK(s.displacement_at_contact(1).norm() > 0.5 * r.contact_displacement_m.norm());
-    CHECK((s.tool().hand_N(s.displacement_at_contact(1), s.state(1).displacement) + r.coupling_N).norm() < 0.02 * r.coupling_N.norm());
+    CHECK((s.tool().tool_force_N(s.displacement_at_contact(1), s.state(1).displacement) + r.coupling_N).norm() < 0.02 * r.coupling_N.norm());
     CHECK(s.surface(1).at(0, {1, 0, 0})[0] - s.surface(0).at(0, {1, 0, 0})[0] == Approx(s.model().options.place_m).margin(0.02));
 
-    // without the contact it is the nodes' own
+    // Without a contact the nodes' displacement is displayed.
     s.reset();
     s.seen(0, seen);
     CHECK(seen.isZero(0));
 }
 
-TEST_CASE("a solid in an embedded lattice comes to rest in the tick where its energy is smallest, and its ticks allocate nothing", "[simulation][solid][embedded][long]") {
+TEST_CASE("an embedded solid comes to rest at minimum energy and its ticks allocate nothing", "[simulation][solid][embedded][long]") {
     const TissueModel tissue = solid_law_example(embedded_lattice(dome(8), 0.011));
-    const LawPress press(tissue);
+    const IndentationSolver press(tissue);
     HapticOptions o;
     o.heuristic_mesh = false;
     const HapticModel model(tissue, o);
@@ -184,14 +184,15 @@ TEST_CASE("a solid in an embedded lattice comes to rest in the tick where its en
     CHECK((r.coupling_N + rest.contact_force).norm() < 1e-3 * rest.contact_force.norm());
     CHECK((s.state(0).displacement - NodeColumns(rest.displacement)).norm() < 1e-3 * rest.displacement.norm());
     CHECK(s.state(0).displacement.topRows(tissue.mesh.embedding.node_count()).norm() > 1e-3);
-    for (int node : tissue.mesh.fixed) CHECK(s.state(0).displacement.row(node).norm() < 1e-4);  // supports give way by little
+    // supports give way by little
+    for (int node : tissue.mesh.fixed) CHECK(s.state(0).displacement.row(node).norm() < 1e-4);
 }
 
-TEST_CASE("a contact that swings faster than the hand moves is neither driven by its ticks nor pumped up by letting go", "[simulation][solid][long]") {
+TEST_CASE("a contact whose frequency exceeds the tick rate is excited neither by ticks nor by a loss of contact", "[simulation][solid][long]") {
     const Eigen::Vector3d contact(0.043, 0.056, 0.05), down(0, 0, -8e-6);  // 8 mm/s, to a light touch
     const auto stiffer = [](double by) {
         TissueModel tissue = solid_example();
-        tissue.energy_law->patch.log_N_m(2, 0) += by;
+        tissue.energy_model->patch.log_N_m(2, 0) += by;
         return tissue;
     };
     for (double by : {5.0, 6 - 2 * std::log(1e-3 * frequency(stiffer(6), contact)), 7.0}) {
@@ -208,10 +209,10 @@ TEST_CASE("a contact that swings faster than the hand moves is neither driven by
             force_max_N = std::max(force_max_N, s.record().coupling_N.norm());
         }
         const TickRecord& r = s.record();
-        INFO("by " << by << ": swings " << 1e-3 * frequency(tissue, contact) << " times a tick, force " << r.coupling_N.norm() << ", at most " << force_max_N);
+        INFO("by " << by << ": oscillates " << 1e-3 * frequency(tissue, contact) << " times a tick, force " << r.coupling_N.norm() << ", at most " << force_max_N);
         CHECK(farthest_m < 4.5e-4);
         REQUIRE(r.mesh == 0);
-        const Equilibrium rest = LawPress(tissue).at(model.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
+        const Equilibrium rest = IndentationSolver(tissue).at(model.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
         REQUIRE(rest);
         CHECK((r.coupling_N + rest.contact_force).norm() < 1e-3 * rest.contact_force.norm());
         CHECK(force_max_N < 1.3 * rest.contact_force.norm());
@@ -236,12 +237,12 @@ TEST_CASE("a tick in space allocates nothing", "[simulation][solid]") {
     CHECK(pressed > 100);
 }
 
-TEST_CASE("adversarial ticks in space: force finite and within its limits, the proxy outside, the port passive", "[simulation][solid][adversarial]") {
+TEST_CASE("adversarial ticks in space keep the force within its limits and the proxy outside and the port passive", "[simulation][solid][adversarial]") {
     constexpr double sticks = std::numeric_limits<double>::infinity();
     struct Kind { double force_scale, stick; bool on_time, relaxes; double hold_s = force_held_s; };
     for (const Kind& kind : {Kind{1, sticks, true, false}, Kind{10, sticks, false, false}, Kind{10, 0.3, false, false}, Kind{1, sticks, true, true}, Kind{10, 0.3, false, true}, Kind{10, 0.3, false, false, 0.05},
                              Kind{10, sticks, false, true, std::numeric_limits<double>::infinity()}}) {
-        DYNAMIC_SECTION((kind.relaxes ? "relaxing law" : "law") << ", force times " << kind.force_scale << ", stick " << kind.stick << (kind.on_time ? ", on time" : ", at any time") << ", held for " << kind.hold_s << " s") {
+        DYNAMIC_SECTION((kind.relaxes ? "relaxing law" : "law") << ", force scale " << kind.force_scale << ", stick " << kind.stick << (kind.on_time ? ", on time" : ", irregular ticks") << ", held for " << kind.hold_s << " s") {
             HapticOptions o;
             o.map.force_scale = kind.force_scale;
             o.friction.stick = kind.stick;
@@ -279,7 +280,7 @@ TEST_CASE("adversarial ticks in space: force finite and within its limits, the p
     }
 }
 
-TEST_CASE("a tool at full speed through the tissue never comes out of it untouched", "[simulation][solid]") {
+TEST_CASE("a tool at full speed never passes through the tissue without a contact", "[simulation][solid]") {
     Simulation s(solid());
     Draw draw(7);
     for (int shot = 0; shot < 60; ++shot) {
@@ -296,7 +297,7 @@ TEST_CASE("a tool at full speed through the tissue never comes out of it untouch
     }
 }
 
-TEST_CASE("loops of the tool over depth and direction give the hand nothing", "[simulation][solid]") {
+TEST_CASE("closed loops of the tool over depth and direction give the hand no net energy", "[simulation][solid]") {
     HapticOptions o;
     o.safety.passivity = false;
     o.heuristic_mesh = false;
@@ -319,16 +320,16 @@ TEST_CASE("loops of the tool over depth and direction give the hand nothing", "[
     CHECK(s.safety().counters().energy_given_J - before <= 1e-3 * swung);
 }
 
-TEST_CASE("a model in space without a law, and options of another dimension, are refused", "[simulation][solid]") {
+TEST_CASE("a model in space without an energy model and options of another dimension are refused", "[simulation][solid]") {
     TissueModel none = solid_example();
-    none.energy_law.reset();
-    CHECK(refusal<MismatchError>([&] { HapticModel(none, {}); }) == "a model in space is an energy model; this one is not");
+    none.energy_model.reset();
+    CHECK(refusal<MismatchError>([&] { HapticModel(none, {}); }) == "a model in space must be an energy model; this one has spring sets");
     HapticOptions plane;
     plane.map.axes = parse_axes("x,y");
-    CHECK(refusal<MismatchError>([&] { HapticModel(solid_example(), plane); }) == "axes: 2 device axes for a tissue of 3");
+    CHECK(refusal<MismatchError>([&] { HapticModel(solid_example(), plane); }) == "axes: 2 device axes for a tissue of 3 axes");
 }
 
-TEST_CASE("until a surface in space that crosses itself is found, force keeps to its limits and the hand to its energy; then there is none", "[simulation][solid]") {
+TEST_CASE("force and energy keep their limits until a self-intersection in space is found and then the force is zero", "[simulation][solid]") {
     const TissueModel tissue = solid_example();
     for (double force_scale : {1.0, 300.0}) {
         HapticOptions o;
@@ -347,7 +348,7 @@ TEST_CASE("until a surface in space that crosses itself is found, force keeps to
                 port.tick(sample_at(hand), 1e-3);
             }
             REQUIRE(s.record().device_N.norm() > 0.01);
-            // far from the tool a node of the top goes down through the bottom, and is held there: what is within stays more than nothing
+            // Far from the tool a node of the top is held below the bottom. The enclosed volume stays positive.
             int through = -1;
             for (int n = 0; n < model.rest.node_count(); ++n)
                 if ((model.rest.nodes.row(n) - Eigen::RowVector3d(0.075, 0.025, 0.05)).norm() < 1e-6) through = n;
@@ -357,18 +358,18 @@ TEST_CASE("until a surface in space that crosses itself is found, force keeps to
             for (int k = 1; k <= longest && found == 0; ++k) {
                 s.state(0).displacement.row(through) << 0, 0, -0.06;
                 s.state(0).velocity.row(through).setZero();
-                hand += 2e-3 * 0.99 * Eigen::Vector3d(draw(-1, 1), draw(-1, 1), draw(-1, 1)) / 2;  // as fast as a hand may
+                hand += 2e-3 * 0.99 * Eigen::Vector3d(draw(-1, 1), draw(-1, 1), draw(-1, 1)) / 2;  // at up to 1.7 m/s
                 port.tick(sample_at(hand), 1e-3);
                 with_force += s.record().device_N.norm() > 0;
                 if (s.counters().folded > 0) found = k;
             }
-            INFO("force times " << force_scale << ", time " << time << ": found after " << found << " ticks of " << longest << ", given " << port.worst_J() << " J of " << port.bound_J());
+            INFO("force scale " << force_scale << ", trial " << time << ": found after " << found << " ticks of " << longest << ", given " << port.worst_J() << " J of " << port.bound_J());
             REQUIRE(found > 0);
             CHECK(s.record().device_N.isZero(0));
             CHECK(port.worst_J() <= port.bound_J() * (1 + 1e-9));
             latest = std::max(latest, found);
         }
-        CHECK(with_force > 0);  // or nothing was tried
+        CHECK(with_force > 0);  // else nothing was tested
         CHECK(latest > 1);
     }
 }

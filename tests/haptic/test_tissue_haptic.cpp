@@ -33,18 +33,18 @@ using namespace tissue;
 
 namespace {
 
-/// A word of a shell's command, within '...'.
+/// Quotes a word of a shell command inside '...'.
 std::string quoted(const std::string& word) {
     return '"' + word + '"';
 }
 
-/// The program: TISSUE_HAPTIC, or the one that was built beside these tests.
+/// Path of the program, quoted: TISSUE_HAPTIC, or the one that was built beside these tests.
 std::string program() {
     const char* given = std::getenv("TISSUE_HAPTIC");
     return quoted(given ? given : (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "tissue-haptic").string());
 }
 
-/// For a shell: waits until the program, process $child, has said what runs, or has ended.
+/// Shell code that waits until the program, process $child, has printed its first messages or has ended.
 std::string until_it_runs(const TemporaryFolder& folder) {
     return "until grep -qs coupling " + folder.file("err") + " || ! kill -0 $child; do sleep 0.05; done; ";
 }
@@ -54,7 +54,7 @@ struct Ended {
     std::string out, err;
 };
 
-/// Runs the program in a shell; a signal, "TERM", ends it half a second after it has said what runs.
+/// Runs the program in a shell. signal: "TERM", for instance, is sent half a second after the first messages.
 Ended run(const TemporaryFolder& folder, const std::string& arguments, const std::string& signal = "") {
     std::string command = program() + " " + arguments + " > " + folder.file("out") + " 2> " + folder.file("err");
     if (!signal.empty())
@@ -71,7 +71,7 @@ std::string model_file(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a model in space plays: its statistics, its recording along three axes, and that recording again", "[tissue-haptic][solid][long]") {
+TEST_CASE("a model in space plays with statistics and a recording along three axes that replays", "[tissue-haptic][solid][long]") {
     const TemporaryFolder folder;
     write_model(folder.file("solid.h5"), solid_example(), {"test", 1, {}});
     const std::string play = folder.file("solid.h5") + " --no-realtime --json --seconds 1.5";
@@ -100,7 +100,7 @@ TEST_CASE("a model in space plays: its statistics, its recording along three axe
     }
 }
 
-TEST_CASE("a ring keeps order between two threads, and drops only what does not fit", "[recorder]") {
+TEST_CASE("a ring keeps the order between two threads and refuses items only when it is full", "[recorder]") {
     SpscRing<int> ring(1000);
     CHECK(ring.capacity() == 1024);
     for (int k = 0; k < 1024; ++k) REQUIRE(ring.push(k));
@@ -125,7 +125,7 @@ TEST_CASE("a ring keeps order between two threads, and drops only what does not 
     CHECK(sum == 200000ll * 199999 / 2);
 }
 
-TEST_CASE("percentiles of durations are within 1 %, the largest exact", "[recorder]") {
+TEST_CASE("percentiles of durations are within 1 % and the largest is exact", "[recorder]") {
     Histogram h;
     CHECK(h.percentile(0.5) == 0);
     for (int k = 1; k <= 10000; ++k) h.add(k);
@@ -135,14 +135,14 @@ TEST_CASE("percentiles of durations are within 1 %, the largest exact", "[record
     CHECK(h.max() == 10000);
 }
 
-TEST_CASE("a recorded session replays to the same forces, bit for bit", "[recorder]") {
+TEST_CASE("a recorded session replays to bitwise equal forces", "[recorder]") {
     const bool law = GENERATE(false, true);
     const TemporaryFolder folder;
     HapticOptions o;
     o.map.force_scale = 100;
     const HapticModel model(law ? law_example() : haptic_example(), o);
     {
-        // in simulated time: every tick on its place
+        // in simulated time: no tick is missed
         Simulation simulation(model);
         VirtualDevice hand(make_motion({"poke", 2, 0.01, 4, &model.rest}), o.map);
         Recorder recorder(folder.file("a.h5"), 2, {"test", 4, {}});
@@ -173,7 +173,7 @@ TEST_CASE("a recorded session replays to the same forces, bit for bit", "[record
         if (name != "reference_rms_N") CHECK(value == 0);
 }
 
-TEST_CASE("a recording of tissue that relaxes, with resets in it, replays to the same forces, bit for bit", "[recorder][memory]") {
+TEST_CASE("a recording with resets on tissue that relaxes replays to bitwise equal forces", "[recorder][memory]") {
     const bool solid = GENERATE(false, true);
     const TemporaryFolder folder;
     const HapticModel model(relaxing(solid ? solid_example() : law_example()), {});
@@ -184,12 +184,12 @@ TEST_CASE("a recording of tissue that relaxes, with resets in it, replays to the
         Recorder recorder(folder.file("a.h5"), model.dimension(), {"test", 4, {}});
         for (int k = 0; k < 3000; ++k) {
             if (k % 700 == 650) page.reset();
-            const bool paused = k % 700 == 651;  // a reset while time stands still
+            const bool paused = k % 700 == 651;  // a reset during a pause
             if (paused) page.reset();
             page.before(simulation);
             if (paused) continue;
             simulation.tick(hand.read(k * 1e-3));
-            TickBooks books;
+            TickStatistics books;
             books.time_s = k * 1e-3;
             recorder.after(simulation, books);
         }
@@ -202,7 +202,7 @@ TEST_CASE("a recording of tissue that relaxes, with resets in it, replays to the
     const std::vector<int> reset = in.integers("/reset");
     const Eigen::VectorXd time = in.vector("/time");
     CHECK(std::count(reset.begin(), reset.end(), 1) == 8);
-    for (bool forgetting : {true, false}) {  // and without its resets it is another session
+    for (bool forgetting : {true, false}) {  // without its resets it gives other forces
         Simulation again(model);
         ReplayDevice replay(folder.file("a.h5"));
         double off_N = 0;
@@ -218,7 +218,7 @@ TEST_CASE("a recording of tissue that relaxes, with resets in it, replays to the
     }
 }
 
-TEST_CASE("a recording without a reset's column, of an earlier program, replays; one of another length is refused", "[recorder]") {
+TEST_CASE("a recording without a reset column replays and one with a short column is refused", "[recorder]") {
     const TemporaryFolder folder;
     const auto recording = [&](const std::string& name, int resets) {
         Hdf5Writer out(folder.file(name), "recording", {"test", 1, {}});
@@ -233,13 +233,13 @@ TEST_CASE("a recording without a reset's column, of an earlier program, replays;
     CHECK_FALSE(replay.read(0).reset);
     CHECK_FALSE(replay.read(0.002).reset);
     ReplayDevice late(recording("late.h5", 3));
-    CHECK(late.read(0.002).reset);  // whichever rows a late tick passes over
+    CHECK(late.read(0.002).reset);  // also where a late tick skips rows
     CHECK_FALSE(late.read(0.002).reset);
     const std::string why = refusal<FileError>([&] { ReplayDevice(recording("short.h5", 2)); });
     CHECK(why.find("/reset") != std::string::npos);
 }
 
-TEST_CASE("a full ring drops samples and counts them, and the recording says so", "[recorder]") {
+TEST_CASE("a full ring drops samples and the recording states their number", "[recorder]") {
     const TemporaryFolder folder;
     const HapticModel model(haptic_example(), {});
     Recorder recorder(folder.file("a.h5"), 2, {"test", 1, {}}, 1, 16);
@@ -256,7 +256,7 @@ TEST_CASE("a full ring drops samples and counts them, and the recording says so"
     refusal<FileError>([&] { Recorder(folder.file("no/such/folder.h5"), 2, {"test", 1, {}}); });
 }
 
-TEST_CASE("a recording is written as it goes: memory does not grow with the session, and the file appears at its end", "[recorder]") {
+TEST_CASE("a recording is written during the session in bounded memory and its file appears at the end", "[recorder]") {
     const TemporaryFolder folder;
     const HapticModel model(haptic_example(), {});
     const auto resident = [] {
@@ -272,7 +272,7 @@ TEST_CASE("a recording is written as it goes: memory does not grow with the sess
         row.time_s = k;
         row.tool[0].status = static_cast<TickStatus>(k % 5);
         recorder.push(row, true);
-        if (k == 5 * batch) begin = resident();  // ring, block and HDF5's own buffers are there
+        if (k == 5 * batch) begin = resident();  // ring, block and HDF5's own buffers are allocated
     }
     const double grown = resident() - begin, taken = static_cast<double>((batches - 5) * batch) * sizeof(RecordedTick);
     const auto beside = static_cast<double>(std::filesystem::file_size(folder.file(folder.names().at(0))));
@@ -288,10 +288,10 @@ TEST_CASE("a recording is written as it goes: memory does not grow with the sess
     CHECK(beside > 0.5 * static_cast<double>(std::filesystem::file_size(folder.file("a.h5"))));
     CHECK(folder.names() == std::vector<std::string>{"a.h5"});
     INFO(grown << " bytes more for " << taken << " bytes of ticks");
-    if (Allocations::seen()) CHECK(grown < 0.2 * taken);  // a sanitizer keeps what is freed
+    if (Allocations::seen()) CHECK(grown < 0.2 * taken);  // a sanitizer keeps freed memory
 }
 
-TEST_CASE("a recording given up leaves nothing, and keeps the one before it", "[recorder]") {
+TEST_CASE("an abandoned recording leaves nothing and keeps the previous file", "[recorder]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.h5", "an earlier session");
     {
@@ -302,8 +302,8 @@ TEST_CASE("a recording given up leaves nothing, and keeps the one before it", "[
     CHECK(folder.names() == std::vector<std::string>{"a.h5"});
 }
 
-TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero after it", "[loop]") {
-    /// A hand that holds the loop up for 20 ms in its 50th tick, by sleeping: the machine's doing, not the program's.
+TEST_CASE("the loop keeps its schedule over missed ticks and ends with zero force", "[loop]") {
+    /// A hand that delays the loop by 20 ms in its 50th tick by sleeping, which is no work of the program.
     class Sleepy final : public Device {
        public:
         std::string name() const override { return "sleepy"; }
@@ -311,13 +311,13 @@ TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero 
             last_s = time_s;
             asked = true;
             if (++reads == 50) std::this_thread::sleep_for(std::chrono::milliseconds(20));
-            return sample_at(0.05, 0.104 - 5e-5 * reads);  // presses, ever deeper
+            return sample_at(0.05, 0.104 - 5e-5 * reads);  // deeper in each tick
         }
         void write(const Eigen::Vector3d& f) noexcept override {
             force = f;
             if (std::exchange(asked, false)) last_answer = f.norm();
         }
-        bool finished() const noexcept override { return reads == 150; }  // however few ticks a busy machine lets come
+        bool finished() const noexcept override { return reads == 150; }  // however few ticks a busy machine allows
         int reads = 0;
         double last_s = 0, last_answer = 0;
         bool asked = false;
@@ -330,18 +330,19 @@ TEST_CASE("the loop keeps its schedule over missed ticks, and the force is zero 
     o.realtime = false;
     const LoopReport report = run_loop(simulation, device, o);
     CHECK(report.misses >= 20);
-    CHECK(report.misses_program <= report.misses - 15);  // a sleep is not of the processor; what a busy machine adds may be
+    // a sleep takes no processor time; a busy machine may add overruns that do
+    CHECK(report.misses_program <= report.misses - 15);
     CHECK(report.ticks == 150);
     CHECK(report.ticks == device.reads);
-    // the last tick's place on the schedule: every tick and every miss before it has one
+    // Place of the last tick on the schedule: every tick and every overrun before it has one.
     CHECK(device.last_s > 1e-3 * (150 + 20 - 1.5));
     CHECK(device.last_s < 1e-3 * (static_cast<double>(report.ticks + report.misses) - 0.5));
-    CHECK(device.last_answer > 0);  // it pressed until the end
+    CHECK(device.last_answer > 0);  // in contact until the end
     CHECK(device.force == Eigen::Vector3d::Zero());
     CHECK(report.tick_us.max() > 4900);
 }
 
-TEST_CASE("tissue-haptic: a session's statistics are JSON with every key, and its recording holds every tick", "[program]") {
+TEST_CASE("tissue-haptic prints statistics as JSON with every key and records every tick", "[program]") {
     const TemporaryFolder folder;
     const Ended ended = run(folder, model_file(folder) + " --seconds 1 --motion poke --json --force-scale 3 --record " + folder.file("s.h5"));
     INFO(ended.err);
@@ -373,7 +374,7 @@ TEST_CASE("tissue-haptic: a session's statistics are JSON with every key, and it
     CHECK(statistics["bad_input"] == details["not_finite"].get<int>() + details["jumps"].get<int>() + details["stale"].get<int>());
 }
 
-TEST_CASE("tissue-haptic: a law plays, is recorded and replayed, and knows no sets", "[program]") {
+TEST_CASE("tissue-haptic plays and records and replays an energy model and refuses options of spring sets", "[program]") {
     const TemporaryFolder folder;
     const std::string model = folder.file("law.h5");
     write_model(model, law_example(), {"test", 1, {}});
@@ -396,7 +397,7 @@ TEST_CASE("tissue-haptic: a law plays, is recorded and replayed, and knows no se
     }
 }
 
-TEST_CASE("tissue-haptic: a law that relaxes plays, and is not pressed until it rests", "[program][memory]") {
+TEST_CASE("tissue-haptic plays an energy model that relaxes and refuses --check for it", "[program][memory]") {
     const TemporaryFolder folder;
     const std::string model = folder.file("law.h5");
     write_model(model, relaxing(law_example()), {"test", 1, {}});
@@ -405,11 +406,11 @@ TEST_CASE("tissue-haptic: a law that relaxes plays, and is not pressed until it 
     REQUIRE(ended.status == 0);
     const auto statistics = nlohmann::json::parse(ended.out);
     CHECK(statistics["force_max_N"] > 0.1);
-    // the hand has pressed and holds: most of its work is in springs and branches, part of it heat
+    // While the hand holds its place, its work is partly stored in Maxwell branches and partly dissipated.
     const double given_J = -statistics["energy_given_J"].get<double>(), stored_J = statistics["details"]["branches"]["stored_J"], dissipated_J = statistics["details"]["branches"]["dissipated_J"];
     CHECK(stored_J > 0);
     CHECK(dissipated_J > 0);
-    // a hand that was not felt for some ticks has pushed without a force to push against
+    // In missed ticks the hand moves against no force.
     CHECK((stored_J + dissipated_J < given_J || statistics["misses"] > 0));
     const Ended refused = run(folder, model + " --check " + model + " --out " + folder.file("r.json"));
     CHECK(refused.status == 1);
@@ -417,8 +418,8 @@ TEST_CASE("tissue-haptic: a law that relaxes plays, and is not pressed until it 
     CHECK(refused.err.find("this model relaxes") != std::string::npos);
 }
 
-TEST_CASE("tissue-haptic: SIGINT, SIGTERM and SIGHUP end it with statistics and a closed file", "[program]") {
-    // under nohup the program ignores a hangup, as it should; here it shall not inherit that
+TEST_CASE("tissue-haptic ends with statistics and a closed recording on SIGINT and SIGTERM and SIGHUP", "[program]") {
+    // Under nohup the program ignores a hangup. The test must not inherit that.
     struct Hangup {
         void (*before)(int) = std::signal(SIGHUP, SIG_DFL);
         ~Hangup() { std::signal(SIGHUP, before); }
@@ -435,7 +436,7 @@ TEST_CASE("tissue-haptic: SIGINT, SIGTERM and SIGHUP end it with statistics and 
     }
 }
 
-TEST_CASE("a session whose lines nobody reads writes its recording all the same", "[program][recorder]") {
+TEST_CASE("a session whose messages are not read still writes its recording", "[program][recorder]") {
     const TemporaryFolder folder;
     const std::string model = model_file(folder), file = folder.file("s.h5");
     const std::string command = program() + " " + model + " --no-clock --seconds 0.5 --motion poke --record " + file + " 2>&1 >/dev/null | true";
@@ -444,7 +445,7 @@ TEST_CASE("a session whose lines nobody reads writes its recording all the same"
     CHECK(Hdf5Reader(file, "recording").vector("/time").size() == 500);
 }
 
-TEST_CASE("tissue-haptic: two devices move two tools, each with options, statistics and recording of its own, which replay both", "[program][two]") {
+TEST_CASE("two devices of tissue-haptic have their own tools and options and statistics and recordings that replay both", "[program][two]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("law.h5"), recording = folder.file("two.h5");
     write_model(file, law_example(), {"test", 1, {}});
@@ -472,7 +473,7 @@ TEST_CASE("tissue-haptic: two devices move two tools, each with options, statist
         CHECK(in.number_attribute("/second", "force_scale") == 2);
         CHECK(in.number_attribute("/second", "force_max_N") == 0.05);
     }
-    // the replay gives both devices the recorded forces
+    // The replay gives both devices the recorded forces.
     const Ended again = run(folder, play + " --device replay --trajectory " + recording + " --second-device replay --second-trajectory " + recording + " --second-force-scale 2 --second-force-max 0.05 --record " + folder.file("again.h5"));
     INFO(again.err);
     REQUIRE(again.status == 0);
@@ -482,7 +483,7 @@ TEST_CASE("tissue-haptic: two devices move two tools, each with options, statist
     CHECK(replayed["details"]["device"]["reference_error_max_N"] == 0);
     CHECK(replayed["second"]["details"]["device"]["reference_rms_N"].get<double>() > 0.01);
     CHECK(replayed["second"]["details"]["device"]["reference_error_max_N"] == 0);
-    // what does not go together
+    // Combinations that are refused.
     const auto refused = [&](const std::string& arguments, int status) {
         const Ended e = run(folder, file + arguments);
         CHECK(e.status == status);
@@ -496,16 +497,16 @@ TEST_CASE("tissue-haptic: two devices move two tools, each with options, statist
     CHECK(refused(" --second-device virtual --second-passivity maybe", 2).find("--second-passivity: passivity must be one of yes, no") != std::string::npos);
     CHECK(refused(" --device remote --second-device remote", 2).find("--second-port") != std::string::npos);
     CHECK(refused(" --device remote --port 5000 --second-device remote --second-port 05000", 2).find("--second-port") != std::string::npos);
-    CHECK(refused(" --motion poke --aside 0.01", 1).find("has no aside") != std::string::npos);
-    CHECK(refused(" --aside 0.06", 1).find("aside must lie within 0.05 m") != std::string::npos);
+    CHECK(refused(" --motion poke --aside 0.01", 1).find("--aside has no effect") != std::string::npos);
+    CHECK(refused(" --aside 0.06", 1).find("aside must be within 0.05 m") != std::string::npos);
     CHECK(refused(" --second-device virtual --learn l.h5", 2).find("--second-device") != std::string::npos);
-    CHECK(refused(" --device openhaptics --second-device openhaptics", 2).find("one device openhaptics") != std::string::npos);
-    CHECK(refused(" --second-device virtual --second-device-mass 0.0001 --no-clock", 1).find("the second tool: the learned mesh is up to") != std::string::npos);
+    CHECK(refused(" --device openhaptics --second-device openhaptics", 2).find("only one device openhaptics") != std::string::npos);
+    CHECK(refused(" --second-device virtual --second-device-mass 0.0001 --no-clock", 1).find("the second tool: the stiffness of the learned mesh at the device is up to") != std::string::npos);
     write_model(folder.file("sets.h5"), haptic_example(), {"test", 1, {}});
-    CHECK(run(folder, folder.file("sets.h5") + " --second-device virtual").err.find("two tools press an energy model alone") != std::string::npos);
+    CHECK(run(folder, folder.file("sets.h5") + " --second-device virtual").err.find("two tools need an energy model") != std::string::npos);
 }
 
-TEST_CASE("a session lasts as long as its device, and of the virtual one ten seconds", "[program]") {
+TEST_CASE("a session lasts until a device ends and ten seconds with the virtual device", "[program]") {
     const TemporaryFolder folder;
     const std::string model = folder.file("law.h5");
     write_model(model, law_example(), {"test", 1, {}});
@@ -518,10 +519,10 @@ TEST_CASE("a session lasts as long as its device, and of the virtual one ten sec
     const std::string recording = folder.file("twelve.h5");
     CHECK(ticks("--seconds 12 --record " + recording) == 12000);
     CHECK(ticks("--device replay --trajectory " + recording) == 12000);
-    CHECK(ticks("--second-device replay --second-trajectory " + recording) == 12000);  // no longer than the device that ends
+    CHECK(ticks("--second-device replay --second-trajectory " + recording) == 12000);  // until the first device ends
 }
 
-TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, each in one line", "[program]") {
+TEST_CASE("tissue-haptic exits with 1 for failed work and 2 for a wrong command line", "[program]") {
     const TemporaryFolder folder;
     const std::string model = model_file(folder);
     const auto ended = [&](const std::string& arguments, int status) {
@@ -530,7 +531,7 @@ TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, eac
         return e.err;
     };
     CHECK(ended(folder.file("missing.h5"), 1).find("missing.h5") != std::string::npos);
-    CHECK(ended(model + " --device openhaptics --library libHD_none.so", 1).find("is not on this machine") != std::string::npos);
+    CHECK(ended(model + " --device openhaptics --library libHD_none.so", 1).find("cannot load") != std::string::npos);
     CHECK(ended(model + " --sets best", 1).find("example, optimum") != std::string::npos);
     CHECK(ended(model + " --record " + folder.file("no/s.h5"), 1).find("cannot write") != std::string::npos);
     CHECK(ended(model + " --device replay --trajectory " + folder.file("none.csv"), 1).find("none.csv") != std::string::npos);
@@ -542,7 +543,7 @@ TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, eac
     ended(model + " --device remote --port 70000", 2);
     ended(model + " --force-max -1", 2);
     ended(model + " --axes x,x", 2);
-    // options that would do nothing
+    // Options without an effect.
     ended(model + " --trajectory nowhere.csv", 2);
     ended(model + " --device replay --trajectory nowhere.csv --port 5", 2);
     for (const char* option : {" --record r.h5", " --json", " --seconds 1", " --force-max 2", " --hidden h.h5", " --motion poke", " --device replay", " --seed 3", " --no-realtime"}) ended(model + " --check " + model + " --out o.json" + option, 2);
@@ -551,7 +552,7 @@ TEST_CASE("tissue-haptic: 1 for work that fails, 2 for a wrong command line, eac
     CHECK(run(folder, "--version").out.find("tissue-haptic ") == 0);
 }
 
-TEST_CASE("tissue-haptic: help is a table of option, default, unit, meaning", "[program]") {
+TEST_CASE("tissue-haptic prints its help as a table of option and default and unit and meaning", "[program]") {
     const TemporaryFolder folder;
     const Ended help = run(folder, "--help");
     CHECK(help.status == 0);
@@ -559,13 +560,13 @@ TEST_CASE("tissue-haptic: help is a table of option, default, unit, meaning", "[
     CHECK(help.out.find("--force-max            3.3          N ") != std::string::npos);
 }
 
-TEST_CASE("tissue-haptic: the shipped client drives it over UDP, and gets its forces", "[program]") {
+TEST_CASE("the shipped client drives tissue-haptic over UDP and receives its forces", "[program]") {
     const TemporaryFolder folder;
     const std::string client = (std::filesystem::path(__FILE__).parent_path() / "../../scripts/remote_device.py").string();
     const char* python = std::getenv("PYTHON");
     const int port = 40000 + static_cast<int>(::getpid()) % 20000;
     const std::string arguments = model_file(folder) + " --device remote --port " + std::to_string(port) + " --seconds 0 --json";
-    // it listens once it has said what runs; it ends after the client has
+    // The program listens once its first messages are printed. It ends after the client.
     const int status = std::system(("sh -c '" + program() + " " + arguments + " > " + folder.file("out") + " 2> " + folder.file("err") +
                                     " & child=$!; " + until_it_runs(folder) +
                                     (python ? python : "python3") + " " + client + " " + std::to_string(port) + " 1.5 > " + folder.file("client") +
@@ -573,7 +574,7 @@ TEST_CASE("tissue-haptic: the shipped client drives it over UDP, and gets its fo
     INFO(read_file(folder.file("err")) << read_file(folder.file("client")));
     REQUIRE(WEXITSTATUS(status) == 0);
     const nlohmann::json j = nlohmann::json::parse(read_file(folder.file("out")));
-    // no tick answers before the first position, nor twice, but for the last word; nothing came that was not sent
+    // No answer before the first position and at most one per tick, plus one at the end. No more came than was sent.
     const std::string told = read_file(folder.file("client"));
     double client_sent = 0, answers = 0;
     REQUIRE(std::sscanf(told.substr(told.rfind("sent ")).c_str(), "sent %lf, answers %lf", &client_sent, &answers) == 2);
@@ -586,20 +587,20 @@ TEST_CASE("tissue-haptic: the shipped client drives it over UDP, and gets its fo
     CHECK(device["foreign"] == 0);
     CHECK(j["force_max_N"].get<double>() > 1e-4);
     const nlohmann::json& details = j["details"];
-    CHECK(details["stale"].get<int>() > 0);  // the client left before we did
+    CHECK(details["stale"].get<int>() > 0);  // the client ends before the program
     CHECK(j["bad_input"] == details["not_finite"].get<int>() + details["jumps"].get<int>() + details["stale"].get<int>());
 }
 
-TEST_CASE("no assertion can end a program while it has a device open: there is none in it", "[program]") {
-    if (!Allocations::seen()) return;  // under a sanitizer they live
+TEST_CASE("tissue-haptic is built without assertions that could end it with a device open", "[program]") {
+    if (!Allocations::seen()) return;  // a sanitized build has them
     const TemporaryFolder folder;
     REQUIRE(std::system(("nm -D --undefined-only " + program() + " > " + folder.file("symbols")).c_str()) == 0);
     const std::string symbols = read_file(folder.file("symbols"));
-    CHECK(symbols.find(" malloc") != std::string::npos);  // it is a list of what the program calls
+    CHECK(symbols.find(" malloc") != std::string::npos);  // the list is that of the program's calls
     CHECK(symbols.find("assert_fail") == std::string::npos);
 }
 
-TEST_CASE("tissue-haptic: links neither Boost nor Python", "[program]") {
+TEST_CASE("tissue-haptic links neither Boost nor Python", "[program]") {
     const TemporaryFolder folder;
     REQUIRE(std::system(("ldd " + program() + " > " + folder.file("libraries")).c_str()) == 0);
     const std::string libraries = read_file(folder.file("libraries"));
@@ -607,7 +608,7 @@ TEST_CASE("tissue-haptic: links neither Boost nor Python", "[program]") {
     CHECK(libraries.find("python") == std::string::npos);
 }
 
-TEST_CASE("the shipped client takes no forged force, none above its limit, and does not end at bytes that are none", "[program]") {
+TEST_CASE("the shipped client ignores forged and invalid forces and limits the others", "[program]") {
     const TemporaryFolder folder;
     const std::string client = (std::filesystem::path(__FILE__).parent_path() / "../../scripts/remote_device.py").string();
     const char* python = std::getenv("PYTHON");
@@ -620,7 +621,7 @@ TEST_CASE("the shipped client takes no forged force, none above its limit, and d
     REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&here), &length) == 0);
     const timeval wait{60, 0};
     setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
-    int ended = -1;  // of the shell
+    int ended = -1;  // status of the shell
     std::thread runs([&] {
         ended = std::system((std::string(python ? python : "python3") + " " + client + " " + std::to_string(ntohs(here.sin_port)) + " 2 > " + folder.file("out") + " 2> " +
                      folder.file("err") + "; echo $? > " + folder.file("status")).c_str());
@@ -651,9 +652,10 @@ TEST_CASE("the shipped client takes no forged force, none above its limit, and d
     CHECK(heard == 200);
     CHECK(ended == 0);
     CHECK(read_file(folder.file("status")) == "0\n");
-    CHECK(told.find("largest force 3.3000 N, at the end 0.0000 N, refused ") != std::string::npos);  // the other end fell silent
+    // the other end has fallen silent
+    CHECK(told.find("largest force 3.3000 N, at the end 0.0000 N, refused ") != std::string::npos);
     double sent = 0, answers = 0;
     REQUIRE(std::sscanf(told.substr(told.rfind("sent ")).c_str(), "sent %lf, answers %lf", &sent, &answers) == 2);
-    CHECK(answers <= 200);  // those of the other socket were none
+    CHECK(answers <= 200);  // those of the other socket do not count
     CHECK(answers > 0);
 }

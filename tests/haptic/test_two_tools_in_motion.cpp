@@ -1,4 +1,5 @@
-// Two devices on one tissue: forces at rest as the equilibrium under both has them, each with its own energy, faults and state.
+// Two devices on one tissue: forces at rest of the common equilibrium; each device has its own energy, faults and
+// state.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
@@ -7,11 +8,11 @@
 #include "../mesh/embedded_block.h"
 #include "../refusal.h"
 #include "../solid_law_example.h"
-#include "haptic/law_spectrum.h"
+#include "haptic/energy_model_spectrum.h"
 #include "haptic/session_options.h"
 #include "haptic/simulation.h"
 #include "haptic_example.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -36,7 +37,7 @@ const HapticModel& pressed_by(int tools) {
 
 const Eigen::Vector3d left_m(0.024, 0.041, 0.03), right_m(0.050, 0.041, 0.03), up(0, 0, 0.004);
 
-/// Two hands that go on straight lines from where they are.
+/// Two hands that move on straight lines from where they are.
 struct Hands {
     Simulation& s;
     Eigen::Vector3d at_m[2] = {left_m + up, right_m + up}, force_N[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -57,12 +58,12 @@ const Eigen::Vector3d left_push(0.0005, 0, -0.004), right_push(-0.001, 0.0005, -
 
 }  // namespace
 
-TEST_CASE("two tools in motion come to rest with the forces of the equilibrium under both", "[simulation][solid][two]") {
+TEST_CASE("two tools in motion come to rest with the forces of their common equilibrium", "[simulation][solid][two]") {
     Simulation s(pressed_by(2));
     Hands hands{s};
     hands.to(left_m, right_m, 100);
     hands.to(left_m + left_push, right_m + right_push, 300, 6000);
-    const LawPress press(block());
+    const IndentationSolver press(block());
     std::vector<ToolPush> tools;
     for (int t : {0, 1}) {
         REQUIRE(s.record(t).mesh == 0);
@@ -75,18 +76,19 @@ TEST_CASE("two tools in motion come to rest with the forces of the equilibrium u
     for (std::size_t t : {0u, 1u}) {
         const Point alone_N = press.at(tools[t].contact_m, tools[t].push_m).contact_force, both_N = rest.contact_force[t];
         CHECK((s.record(static_cast<int>(t)).coupling_N + both_N).norm() < 2e-3 * both_N.norm());
-        CHECK((alone_N - both_N).norm() > 0.02 * both_N.norm());  // or the test would pass with tools that know nothing of each other
+        // else the test would pass with tools that do not interact
+        CHECK((alone_N - both_N).norm() > 0.02 * both_N.norm());
     }
     CHECK((s.state(0).displacement - NodeColumns(rest.displacement)).norm() < 2e-3 * rest.displacement.norm());
 
-    // what is seen is what evaluation sees, one tool after the other
+    // The displayed displacement is that of evaluation, one tool after the other.
     NodeColumns seen = s.state(0).displacement;
     const NodeField wanted = press.seen(tools[1].contact_m, tools[1].push_m, press.seen(tools[0].contact_m, tools[0].push_m, rest.displacement));
     s.seen(0, seen);
     CHECK((seen - NodeColumns(wanted)).norm() < 2e-3 * wanted.norm());
 }
 
-TEST_CASE("a second tool that touches nothing changes nothing, and either may come and go", "[simulation][solid][two]") {
+TEST_CASE("a second tool without contact leaves the first one's force unchanged and either may come and go", "[simulation][solid][two]") {
     Simulation two(pressed_by(2)), one(pressed_by(1));
     Hands hands{two};
     REQUIRE(pressed_by(2).meshes[0]->substeps == pressed_by(1).meshes[0]->substeps);
@@ -108,7 +110,7 @@ TEST_CASE("a second tool that touches nothing changes nothing, and either may co
     };
     press_left(0.004, 300);
 
-    // the other one comes: both feel it; it goes: the first is alone again
+    // The second tool comes, and both interact. It leaves, and the first is alone again.
     const double before_N = hands.force_N[0].norm();
     const Eigen::Vector3d in = right_m - Eigen::Vector3d(0, 0, 0.004);
     hands.to(hands.at_m[0], in, 300, 1000);
@@ -119,14 +121,14 @@ TEST_CASE("a second tool that touches nothing changes nothing, and either may co
     CHECK(two.contact(1).contact == false);
     for (int k = 0; k < 5600; ++k) one.tick(sample_at(hands.at_m[0]));
     CHECK((hands.force_N[0] - one.record().device_N).norm() < 2e-3 * before_N);
-    // and the first goes while the second is in
+    // The first tool leaves while the second is in.
     hands.to(hands.at_m[0], in, 300, 1000);
     hands.to(left_m + up, in, 300, 1000);
     CHECK(hands.force_N[0].isZero(0));
     CHECK(hands.force_N[1].norm() > 0.05);
 }
 
-TEST_CASE("a fault of one of two tools stops that one alone", "[simulation][solid][two]") {
+TEST_CASE("a fault of one of two tools stops only that one", "[simulation][solid][two]") {
     Simulation s(pressed_by(2));
     Hands hands{s};
     hands.to(left_m, right_m, 100);
@@ -154,7 +156,7 @@ TEST_CASE("a fault of one of two tools stops that one alone", "[simulation][soli
     CHECK(hands.force_N[1].norm() > 0.01);
 }
 
-TEST_CASE("the coming and going of two tools gives them no energy in all", "[simulation][solid][two]") {
+TEST_CASE("two tools that come and go in turn gain no net energy", "[simulation][solid][two]") {
     HapticOptions slippery = of_tools(2);
     slippery.friction.stick = 0.3;
     const HapticModel model(block(), slippery);
@@ -173,7 +175,8 @@ TEST_CASE("the coming and going of two tools gives them no energy in all", "[sim
             hands.tick();
         }
     };
-    // each goes in while the other is out and the other way round: were forces not those of one energy, a round would pay
+    // Each tool goes in while the other is out, and the other way round. Forces that do not derive from one energy
+    // would give net work in a round.
     double stored_J = 0;
     for (int round = 0; round < 4; ++round) {
         go(left_m + left_push, right_m, 200);
@@ -188,8 +191,8 @@ TEST_CASE("the coming and going of two tools gives them no energy in all", "[sim
     for (int t : {0, 1}) CHECK(s.safety(t).observed_J() <= s.safety(t).bound_J());
 }
 
-TEST_CASE("two tools at one place come to rest, stiffer than one, and let go of each other", "[simulation][solid][two]") {
-    const LawSpectrum alone = law_spectrum(block(), pressed_by(1).meshes[0]->springs), both = law_spectrum(block(), pressed_by(1).meshes[0]->springs, 2);
+TEST_CASE("two tools at or near one place raise the highest frequency and come to rest and separate", "[simulation][solid][two]") {
+    const EnergyModelSpectrum alone = energy_model_spectrum(block(), pressed_by(1).meshes[0]->springs), both = energy_model_spectrum(block(), pressed_by(1).meshes[0]->springs, 2);
     CHECK(both.largest > 1.001 * alone.largest);
     CHECK(both.largest < 2 * alone.largest);
     CHECK(pressed_by(2).meshes[0]->largest_eigenvalue_1_s2 == both.largest);
@@ -203,13 +206,14 @@ TEST_CASE("two tools at one place come to rest, stiffer than one, and let go of 
         hands.to(left_m + in, right, 100, 1000);
         const double one_N = hands.force_N[0].norm();
         hands.to(left_m + in, right + in, 100, 3000);
-        for (int k = 0; k < 500; ++k) {  // no swing is left
+        for (int k = 0; k < 500; ++k) {  // no oscillation is left
             const Eigen::Vector3d last_N[2] = {hands.force_N[0], hands.force_N[1]};
             hands.tick();
             for (int t : {0, 1}) REQUIRE((hands.force_N[t] - last_N[t]).norm() < 1e-4 * last_N[t].norm());
         }
         for (int t : {0, 1}) CHECK(hands.force_N[t].z() > 0.02);
-        if (apart_m == 0) CHECK(hands.force_N[0].z() == Approx(hands.force_N[1].z()).epsilon(1e-4));  // the second has come to a surface that is dented
+        // the second tool touched an indented surface
+        if (apart_m == 0) CHECK(hands.force_N[0].z() == Approx(hands.force_N[1].z()).epsilon(1e-4));
         CHECK(hands.force_N[0].norm() < one_N);
         hands.to(left_m + up, right + in, 100, 3000);
         CHECK(hands.force_N[0].isZero(0));
@@ -217,12 +221,13 @@ TEST_CASE("two tools at one place come to rest, stiffer than one, and let go of 
     }
 }
 
-TEST_CASE("each of two tools has its own credit, clutch, fault and count, and a reset is of both", "[simulation][solid][two]") {
+TEST_CASE("two tools have their own energy credit and clutch and faults and a reset affects both", "[simulation][solid][two]") {
     Simulation s(pressed_by(2));
     Hands hands{s};
     hands.to(left_m, right_m, 100);
     const Eigen::Vector3d in(0, 0, -0.004);
-    // the second comes and goes while the first presses: what it gave in the first round is not lent to it for the second
+    // The second tool comes and goes while the first presses. Its energy credit of one contact is not available to the
+    // next.
     hands.to(left_m + in, right_m + up, 300, 500);
     for (int round = 0; round < 3; ++round) {
         hands.to(left_m + in, right_m + in, 200, 100);
@@ -231,7 +236,7 @@ TEST_CASE("each of two tools has its own credit, clutch, fault and count, and a 
         CHECK(s.safety(1).observed_J() == 0);
         CHECK(s.safety(0).observed_J() < 0);
     }
-    // clutch of the second
+    // Clutch of the second tool.
     hands.to(left_m + in, right_m + in, 200, 200);
     s.clutch(true, 1);
     const Point tool_m = s.record(1).master_m;
@@ -242,7 +247,7 @@ TEST_CASE("each of two tools has its own credit, clutch, fault and count, and a 
     s.clutch(false, 1);
     hands.to(hands.at_m[0], hands.at_m[1], 1, 200);
     CHECK(hands.force_N[1].norm() > 0.05);
-    // a fault of the first
+    // A fault of the first tool.
     const Eigen::Vector3d was_m = hands.at_m[0];
     hands.at_m[0].setConstant(std::nan(""));
     hands.tick();
@@ -252,7 +257,7 @@ TEST_CASE("each of two tools has its own credit, clutch, fault and count, and a 
     hands.to(was_m, hands.at_m[1], 1, 49);
     CHECK(s.unarmed(0) == 50);
     CHECK(s.unarmed(1) == 0);
-    // a reset that the sample of one asks for
+    // A reset by the sample of one tool.
     DeviceSample samples[2] = {sample_at(hands.at_m[0]), sample_at(s.options(1).map.to_device(s.record(1).master_m))};
     samples[1].position_m = hands.at_m[1];
     samples[1].reset = true;
@@ -262,7 +267,7 @@ TEST_CASE("each of two tools has its own credit, clutch, fault and count, and a 
         CHECK(hands.force_N[t].isZero(0));
     }
     CHECK(s.state(0).displacement.cwiseAbs().maxCoeff() < 1e-6);
-    // a caller that gives one sample has the first tool alone; in a pause neither has force
+    // With one sample only the first tool acts. In a pause neither has a force.
     hands.to(left_m + up, hands.at_m[1] + Eigen::Vector3d(0, 0, 0.01), 100);
     hands.to(left_m + in, hands.at_m[1] + in - Eigen::Vector3d(0, 0, 0.01), 300);
     REQUIRE(hands.force_N[1].norm() > 0.02);
@@ -276,13 +281,13 @@ TEST_CASE("each of two tools has its own credit, clutch, fault and count, and a 
     hands.to(hands.at_m[0], pressed_m + up + Eigen::Vector3d(0, 0, 0.01), 200);
     hands.to(hands.at_m[0], pressed_m, 300);
     REQUIRE(hands.force_N[1].norm() > 0.02);
-    CHECK(s.stand_still(sample_at(hands.at_m[0]), 1e-3).isZero(0));
+    CHECK(s.skip_tick(sample_at(hands.at_m[0]), 1e-3).isZero(0));
     CHECK(s.safety(1).force_N().isZero(0));
     hands.tick();
     CHECK(s.record(1).status == TickStatus::not_armed);
 }
 
-TEST_CASE("two tools on a tissue that relaxes remember each its own contact", "[simulation][solid][two][relaxation]") {
+TEST_CASE("two tools on tissue that relaxes have their own Maxwell branches in their contacts", "[simulation][solid][two][relaxation]") {
     const TissueModel tissue = relaxing(block());
     const HapticModel one_model(tissue, of_tools(1)), two_model(tissue, of_tools(2));
     Simulation one(one_model), s(two_model);
@@ -302,13 +307,13 @@ TEST_CASE("two tools on a tissue that relaxes remember each its own contact", "[
     const double first_N = hands.force_N[0].norm();
     both_ways(left_m + in, 1, 2000);
     CHECK(hands.force_N[0].norm() < 0.7 * first_N);
-    // the second comes late, and answers as stiff as the first did when it came
+    // The second tool comes late, and its contact has not relaxed yet.
     hands.to(hands.at_m[0], right_m, 100);
     hands.to(hands.at_m[0], right_m + in, 100);
     CHECK(hands.force_N[1].norm() > 1.3 * hands.force_N[0].norm());
 }
 
-TEST_CASE("a session of two tools is saved, restored, copied and followed with both, and its ticks allocate nothing", "[simulation][solid][two][state]") {
+TEST_CASE("a session of two tools is saved and copied and followed with both and its ticks allocate nothing", "[simulation][solid][two][state]") {
     HapticOptions slippery = of_tools(2);
     slippery.friction.stick = 0.3;
     const HapticModel model(block(), slippery);
@@ -347,9 +352,9 @@ TEST_CASE("a session of two tools is saved, restored, copied and followed with b
     copy.save(again.data());
     CHECK(bytes == again);
 
-    // another model at both hands
+    // A session of another model takes over both hands.
     TissueModel stiffer = block();
-    stiffer.energy_law->constants *= 1.2;
+    stiffer.energy_model->constants *= 1.2;
     const HapticModel next_model(stiffer, slippery);
     Simulation next(next_model);
     next.follow(s);
@@ -365,7 +370,7 @@ TEST_CASE("a session of two tools is saved, restored, copied and followed with b
     after.to(after.at_m[0], after.at_m[1], 1, 3000);
     CHECK(after.force_N[0].norm() > 1.05 * before_N[0].norm());
 
-    // of a leader one of whose tools has no force, that one is led nowhere
+    // A tool without force in the leading session is not moved by follow().
     Hands stopped{next, {after.at_m[0], after.at_m[1]}};
     stopped.at_m[1].setConstant(std::nan(""));
     stopped.tick();
@@ -376,11 +381,11 @@ TEST_CASE("a session of two tools is saved, restored, copied and followed with b
     CHECK(later.record(1).status == TickStatus::refused);
 
     Simulation one(pressed_by(1));
-    CHECK_THAT(refusal<MismatchError>([&] { one.follow(s); }), Contains("a session of 1 tools cannot go on where one of 2 was"));
+    CHECK_THAT(refusal<MismatchError>([&] { one.follow(s); }), Contains("a session of 1 tools cannot take over from one of 2 tools"));
     CHECK_THAT(refusal<MismatchError>([&] { one.restore(bytes.data(), bytes.size()); }), Contains("a state of"));
 }
 
-TEST_CASE("limits of each of two devices may change until the first tick, and go with the session", "[simulation][solid][two][state]") {
+TEST_CASE("limits of each of two devices change until the first tick only and are saved and taken over", "[simulation][solid][two][state]") {
     Simulation s(pressed_by(2));
     HapticOptions own = s.options(1);
     own.device.force_max_N = 8;
@@ -412,7 +417,7 @@ TEST_CASE("limits of each of two devices may change until the first tick, and go
     CHECK(has(fresh));
     Hands later{usual};
     later.to(left_m, right_m, 10);
-    usual.restore(bytes.data(), bytes.size());  // which has ticked: its own limits stay
+    usual.restore(bytes.data(), bytes.size());  // a session that has ticked keeps its own limits
     CHECK(usual.options(1).safety.force_max_N == 3.3);
     CHECK(usual.options(1).device.force_max_N == pressed_by(2).options.device.force_max_N);
     CHECK(usual.safety(1).options().slew_N_s == 5000);
@@ -423,7 +428,7 @@ TEST_CASE("limits of each of two devices may change until the first tick, and go
     CHECK(has(next));
 }
 
-TEST_CASE("a state restored into its own session is the same bytes, also where more energy was given than a bound allows", "[simulation][solid][state]") {
+TEST_CASE("a restored state saves equal bytes even where more energy was given than the bound allows", "[simulation][solid][state]") {
     HapticOptions unbounded = of_tools(1);
     unbounded.safety.passivity = false;
     const HapticModel model(block(), unbounded);
@@ -440,11 +445,11 @@ TEST_CASE("a state restored into its own session is the same bytes, also where m
     CHECK(bytes == again);
 }
 
-TEST_CASE("two tools need an energy model alone", "[simulation][two]") {
+TEST_CASE("two tools require an energy model and no second mesh", "[simulation][two]") {
     HapticOptions options = of_tools(2);
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(haptic_example(), options); }), Contains("two tools press an energy model alone, and this one has spring sets"));
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(haptic_example(), options); }), Contains("two tools need an energy model, and this model has spring sets"));
     options.heuristic_mesh = true;
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(block(), options); }), Contains("two tools press the learned mesh alone"));
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(block(), options); }), Contains("two tools are not possible with the heuristic mesh"));
     options.tools = 3;
     CHECK_THAT(refusal<MismatchError>([&] { check_options(options); }), Contains("tools must lie in [1, 2]"));
     CHECK_THAT(refusal<MismatchError>([&] { set_option(options, "tools", "1.5"); }), Contains("tools must be a whole number, not '1.5'"));

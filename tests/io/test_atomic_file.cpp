@@ -37,7 +37,8 @@ ino_t inode(const std::string& file) {
     return status.st_ino;
 }
 
-/// What the disk was asked to keep last, file and folder, and what it shall answer: in place of the C library's, for all of this program.
+/// Last file and folder that were flushed, and the error that fsync returns. The fsync below replaces the C library's
+/// in the whole program.
 std::atomic<ino_t> forced{0}, forced_folder{0};
 std::atomic<off_t> forced_bytes{0};
 std::atomic<int> disk_error{0};
@@ -55,7 +56,7 @@ extern "C" int fsync(int descriptor) {
     return static_cast<int>(::syscall(SYS_fsync, descriptor));
 }
 
-TEST_CASE("the disk has a file's content before its name") {
+TEST_CASE("a file's content is flushed to disk; a failed flush keeps the old file") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a", "old");
     write_file(file, "whole");
@@ -64,14 +65,14 @@ TEST_CASE("the disk has a file's content before its name") {
 
     disk_error = EIO;
     CHECK_THAT(refusal<FileError>([&] { write_file(file, "newer"); }), Contains(file + ": cannot write: "));
-    disk_error = EINVAL;  // a pipe's and the like
+    disk_error = EINVAL;  // as for a pipe
     CHECK_NOTHROW(write_file(folder.file("b"), "x"));
     disk_error = 0;
     CHECK(read_file(file) == "whole");
     CHECK(folder.names() == std::vector<std::string>{"a", "b"});
 }
 
-TEST_CASE("a file's name is on the disk when the file is in its place", "[files]") {
+TEST_CASE("the folder is flushed to disk when a file gets its name", "[files]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a");
     forced_folder = 0;
@@ -89,7 +90,7 @@ TEST_CASE("a file's name is on the disk when the file is in its place", "[files]
     CHECK(forced_folder == inode(std::filesystem::path(file).parent_path()));
 }
 
-TEST_CASE("what is written reads back, byte for byte, and leaves nothing beside") {
+TEST_CASE("a written file is read back byte for byte and leaves no temporary file") {
     const TemporaryFolder folder;
     const std::string odd("zero \0 and \r\n and \xff", 19), file = folder.file("a");
     write_file(file, odd);
@@ -99,7 +100,7 @@ TEST_CASE("what is written reads back, byte for byte, and leaves nothing beside"
     CHECK(folder.names() == std::vector<std::string>{"a"});
 }
 
-TEST_CASE("a file that already says the same keeps its time stamp, another content is written") {
+TEST_CASE("write_file_if_changed keeps a file of equal content with its time stamp and writes other content") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a");
     CHECK(write_file_if_changed(file, "x"));
@@ -113,7 +114,7 @@ TEST_CASE("a file that already says the same keeps its time stamp, another conte
     CHECK(read_file(file) == "y");
 }
 
-TEST_CASE("a new content comes in a new file: whoever reads the old one reads it to its end") {
+TEST_CASE("write_file makes a new inode instead of changing the old file") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a", "old");
     const ino_t which = inode(file);
@@ -121,7 +122,7 @@ TEST_CASE("a new content comes in a new file: whoever reads the old one reads it
     CHECK(inode(file) != which);
 }
 
-TEST_CASE("a file's fingerprint is that of its content") {
+TEST_CASE("a file's hash depends on its content alone") {
     const TemporaryFolder folder;
     const std::string a = file_hash(folder.file("a", "tissue"));
     CHECK(a == file_hash(folder.file("b", "tissue")));
@@ -135,16 +136,16 @@ TEST_CASE("a file's fingerprint is that of its content") {
     CHECK(file_hash(folder.file("longer", longer)) == text_hash(longer));
 }
 
-TEST_CASE("a text that does not end, or not soon, is refused before memory is asked for") {
+TEST_CASE("files above 256 MiB and devices are refused for reading") {
     const TemporaryFolder folder;
     const std::string large = folder.file("large", "");
-    REQUIRE(truncate(large.c_str(), (256L << 20) + 1) == 0);  // of holes
+    REQUIRE(truncate(large.c_str(), (256L << 20) + 1) == 0);  // a sparse file
     CHECK_THAT(refusal<FileError>([&] { read_file(large); }), Contains("large: has 268435457 bytes; at most 268435456 are read"));
     CHECK_THAT(refusal<FileError>([] { read_file("/dev/zero"); }), Contains("/dev/zero: is a device, not a file"));
     CHECK_THAT(refusal<FileError>([] { file_hash("/dev/zero"); }), Contains("/dev/zero: is a device, not a file"));
 }
 
-TEST_CASE("what the disk refuses is refused by name and leaves nothing beside") {
+TEST_CASE("a failed read or write is reported with the file's name and leaves no temporary file") {
     const TemporaryFolder folder;
     CHECK_THAT(refusal<FileError>([&] { write_file(folder.file("none/a"), "x"); }),
                Contains("none/a") && Contains("No such file"));
@@ -154,14 +155,14 @@ TEST_CASE("what the disk refuses is refused by name and leaves nothing beside") 
     CHECK(folder.names().empty());
 }
 
-TEST_CASE("a file that cannot take its final name leaves nothing beside") {
+TEST_CASE("a file that cannot get its final name leaves no temporary file") {
     const TemporaryFolder folder;
     REQUIRE(mkdir(folder.file("a").c_str(), 0755) == 0);
     CHECK_THAT(refusal<FileError>([&] { write_file(folder.file("a"), "x"); }), Contains("/a"));
     CHECK(folder.names() == std::vector<std::string>{"a"});
 }
 
-TEST_CASE("writers of one file at once: each content is whole, and nothing is left beside") {
+TEST_CASE("several writers of one file leave whole content at all times and no temporary file") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a", std::string(100000, '0'));
     std::atomic<int> refused{0};
@@ -185,7 +186,7 @@ TEST_CASE("writers of one file at once: each content is whole, and nothing is le
     CHECK(folder.names() == std::vector<std::string>{"a"});
 }
 
-TEST_CASE("what a killed writer left beside is removed by the next; what another is still at work on stays") {
+TEST_CASE("a writer removes temporary files of killed writers and keeps those in use") {
     const TemporaryFolder folder;
     folder.file("a.tissue-0123abcd.tmp", "of a killed one");
     folder.file("a.tmp", "of the user's own");
@@ -202,18 +203,19 @@ TEST_CASE("what a killed writer left beside is removed by the next; what another
     CHECK(folder.names() == std::vector<std::string>{"a", "a.20251125.tmp", "a.tmp", "ba.tissue-0123abcd.tmp"});
 }
 
-TEST_CASE("a folder that another user gave a drawn name is not left over; one that a killed program made is", "[files]") {
+TEST_CASE("a user's folder with a temporary name stays; temporary folders of killed programs are removed", "[files]") {
     const TemporaryFolder folder;
     write_files(folder.file("a.tissue-0123abcd.tmp"), {{"chapters/one.txt", "of the user's own"}});
     write_files(folder.file("a.tissue-89abcdef.tmp"), {{"a.tissue-89abcdef.tmp", ""}, {"half.csv", "of a killed one"}});
     write_file(folder.file("a"), "short");
-    std::filesystem::create_directory(folder.file("a.tissue-00000000.tmp"));  // empty, of a program that was killed as it made it
+    // empty, of a program killed just after making it
+    std::filesystem::create_directory(folder.file("a.tissue-00000000.tmp"));
     write_file(folder.file("a"), "shorter");
     CHECK(folder.names() == std::vector<std::string>{"a", "a.tissue-0123abcd.tmp"});
     CHECK(read_file(folder.file("a.tissue-0123abcd.tmp/chapters/one.txt")) == "of the user's own");
 }
 
-TEST_CASE("what remove_folder() removes is the folder that was made, whatever has its name", "[files]") {
+TEST_CASE("remove_folder empties the folder that was made and not another one that has its name now", "[files]") {
     const TemporaryFolder folder;
     const Beside made = make_folder_beside(folder.file("a"));
     const OpenFolder within(made.folder, made.name, "a");
@@ -227,18 +229,18 @@ TEST_CASE("what remove_folder() removes is the folder that was made, whatever ha
     CHECK(std::filesystem::is_empty(folder.file("elsewhere")));
 }
 
-TEST_CASE("a file that is being written may be opened as HDF5 opens it, and nobody takes it for left over") {
+TEST_CASE("a temporary file in use permits a shared lock as of HDF5 and no exclusive lock") {
     const TemporaryFolder folder;
     NewFile writer(folder.file("a"));
     REQUIRE(folder.names().size() == 1);
     const int reader = ::open(folder.file(folder.names()[0]).c_str(), O_RDONLY | O_CLOEXEC);
     REQUIRE(reader >= 0);
-    CHECK(::flock(reader, LOCK_SH | LOCK_NB) == 0);  // what HDF5 asks for, and does without waiting
+    CHECK(::flock(reader, LOCK_SH | LOCK_NB) == 0);  // the lock that HDF5 requests without waiting
     CHECK(::flock(reader, LOCK_EX | LOCK_NB) != 0);
     ::close(reader);
 }
 
-TEST_CASE("a link planted where a file is made beside is not followed, and no user's file is written through it") {
+TEST_CASE("a symbolic link at a temporary name is not followed and its target is unchanged") {
     const TemporaryFolder folder;
     const std::string own = folder.file("own", "precious");
     for (const char* planted : {"a.tmp", "a.tissue-0123abcd.tmp"}) REQUIRE(symlink(own.c_str(), folder.file(planted).c_str()) == 0);
@@ -250,7 +252,7 @@ TEST_CASE("a link planted where a file is made beside is not followed, and no us
     CHECK(read_file(own) == "precious");
 }
 
-TEST_CASE("a result that is a link is replaced, and what it leads to stays as it is") {
+TEST_CASE("a result that is a symbolic or hard link is replaced and its target is unchanged") {
     const TemporaryFolder folder;
     const std::string own = folder.file("own", "precious"), linked = folder.file("linked"), also = folder.file("also");
     REQUIRE(symlink(own.c_str(), linked.c_str()) == 0);
@@ -263,19 +265,19 @@ TEST_CASE("a result that is a link is replaced, and what it leads to stays as it
     CHECK(read_file(own) == "precious");
 }
 
-TEST_CASE("a device or a pipe is no place for a file, and stays what it is") {
+TEST_CASE("writing to a device or a pipe is refused and leaves it unchanged") {
     const TemporaryFolder folder;
     const std::string pipe = folder.file("pipe"), led = folder.file("led");
     REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
     REQUIRE(symlink("/dev/null", led.c_str()) == 0);
     for (const std::string& file : {pipe, led, std::string("/dev/stdout")})
-        CHECK_THAT(refusal<FileError>([&] { write_file(file, "x"); }), Contains(file + ": is a device or a pipe, wanted a file"));
+        CHECK_THAT(refusal<FileError>([&] { write_file(file, "x"); }), Contains(file + ": is a device or a pipe; give a file"));
     CHECK(std::filesystem::is_fifo(pipe));
     CHECK(std::filesystem::is_symlink(led));
     CHECK(folder.names() == std::vector<std::string>{"led", "pipe"});
 }
 
-TEST_CASE("who may read and write a file, the umask says") {
+TEST_CASE("the permissions of a new file follow the umask") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a");
     const mode_t before = umask(0);

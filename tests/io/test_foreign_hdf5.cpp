@@ -1,4 +1,4 @@
-// HDF5 files as no program of ours writes them: names and values that lead elsewhere, groups within themselves.
+// HDF5 files that no program of this project writes: external links and values, cyclic groups, other packing.
 #include <hdf5.h>
 
 #include <catch2/catch.hpp>
@@ -29,7 +29,7 @@ std::string changed_file(const TemporaryFolder& folder, const std::string& name,
     return file;
 }
 
-/// A dataset of this length, all 0, made as `creation` says, which it closes.
+/// Makes a dataset of `length` zeros with the property list `creation`, and closes the list.
 void make_zeros(hid_t file, const char* name, hsize_t length, hid_t creation) {
     const hsize_t endless = H5S_UNLIMITED;
     const hid_t space = H5Screate_simple(1, &length, H5Pget_layout(creation) == H5D_CHUNKED ? &endless : nullptr);
@@ -42,7 +42,7 @@ void make_zeros(hid_t file, const char* name, hsize_t length, hid_t creation) {
     H5Pclose(creation);
 }
 
-/// How a dataset in such pieces is made, packed by gzip where a level is given.
+/// Property list of a dataset in chunks of `piece` values, packed by gzip if a level is given.
 hid_t in_pieces(hsize_t piece, int gzip = 0) {
     const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
     REQUIRE(H5Pset_chunk(creation, 1, &piece) >= 0);
@@ -52,7 +52,7 @@ hid_t in_pieces(hsize_t piece, int gzip = 0) {
     return creation;
 }
 
-/// A dataset of three numbers, made as `creation` says, which it closes.
+/// Makes a dataset of three numbers, none written, with the property list `creation`, and closes the list.
 void make_dataset(hid_t file, const char* name, hid_t creation) {
     const hsize_t three = 3;
     const hid_t space = H5Screate_simple(1, &three, nullptr), dataset = H5Dcreate2(file, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
@@ -64,7 +64,7 @@ void make_dataset(hid_t file, const char* name, hid_t creation) {
 
 }  // namespace
 
-TEST_CASE("names that lead to another file lead nowhere") {
+TEST_CASE("external links to another file are reported as missing") {
     const TemporaryFolder folder;
     const std::string other = changed_file(folder, "other.h5", [](hid_t) {});
     const std::string file = changed_file(folder, "a.h5", [&](hid_t id) {
@@ -84,7 +84,7 @@ TEST_CASE("names that lead to another file lead nowhere") {
     CHECK_THAT(refusal<FileError>([&] { in.describe(); }), Contains("is missing"));
 }
 
-TEST_CASE("values that lie in another file are refused") {
+TEST_CASE("datasets with their values in another file are refused") {
     const TemporaryFolder folder;
     const std::string bytes = folder.file("secret", std::string(24, 'x')), other = changed_file(folder, "other.h5", [](hid_t) {});
     const std::string file = changed_file(folder, "a.h5", [&](hid_t id) {
@@ -103,17 +103,17 @@ TEST_CASE("values that lie in another file are refused") {
         CHECK_THAT(refusal<FileError>([&] { in.array(name); }), Contains(name + ": has its values in another file"));
 }
 
-TEST_CASE("a group within itself is refused, and not walked for ever") {
+TEST_CASE("a group that contains itself is refused when the datasets are listed") {
     const TemporaryFolder folder;
     const std::string file = changed_file(folder, "a.h5", [](hid_t id) {
         for (const char* name : {"/group/again", "/group/and_again"}) REQUIRE(H5Lcreate_hard(id, "/", id, name, H5P_DEFAULT, H5P_DEFAULT) >= 0);
     });
     const Hdf5Reader in(file, "cases");
     CHECK(in.vector("/group/again/group/numbers")[2] == 3);
-    CHECK_THAT(refusal<FileError>([&] { in.datasets(); }), Contains("is a group of another name, too"));
+    CHECK_THAT(refusal<FileError>([&] { in.datasets(); }), Contains("is a group that also has another name"));
 }
 
-TEST_CASE("what a file is described by obeys no terminal") {
+TEST_CASE("describe replaces control characters in names") {
     const TemporaryFolder folder;
     const std::string file = changed_file(folder, "a.h5", [](hid_t id) {
         REQUIRE(H5Gcreate2(id, "/gr\x1b[2Joup", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT) >= 0);
@@ -124,26 +124,26 @@ TEST_CASE("what a file is described by obeys no terminal") {
     CHECK_THAT(lines.front(), Catch::StartsWith("/gr?[2Joup/num??bers "));
 }
 
-TEST_CASE("values that were packed by gzip are read, up to 256 MiB of a file in memory", "[long]") {
+TEST_CASE("datasets packed by gzip are read up to 256 MiB per file in memory", "[long]") {
     const TemporaryFolder folder;
-    constexpr hsize_t mebibyte = 1 << 17;  // numbers
+    constexpr hsize_t mebibyte = 1 << 17;  // in numbers of 8 bytes
     const std::string file = changed_file(folder, "a.h5", [](hid_t id) {
         make_zeros(id, "/small", 1000, in_pieces(100, 9));
         for (const char* name : {"/half", "/other_half"}) make_zeros(id, name, 100 * mebibyte, in_pieces(mebibyte, 1));
         make_zeros(id, "/third", 100 * mebibyte, in_pieces(mebibyte, 1));
-        make_zeros(id, "/one", 3, in_pieces(257 * mebibyte, 1));  // three numbers in a piece that is unpacked whole
+        make_zeros(id, "/one", 3, in_pieces(257 * mebibyte, 1));  // three numbers in a chunk that is unpacked whole
     });
     const Hdf5Reader in(file, "cases");
     CHECK(in.vector("/small").size() == 1000);
-    for (int twice = 0; twice < 2; ++twice)  // which one is counted once
+    for (int twice = 0; twice < 2; ++twice)  // a dataset that is read twice counts once
         CHECK(in.shape("/half") == std::vector<std::size_t>{in.array("/half").values.size()});
     CHECK(in.array("/other_half").values.size() == 100 * mebibyte);
-    CHECK_THAT(refusal<FileError>([&] { in.array("/third"); }), Contains("/third: is packed, and unpacked takes the file's datasets beyond 256 MiB"));
-    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases").array("/one"); }), Contains("/one: is packed, and unpacked takes the file's datasets beyond 256 MiB"));
+    CHECK_THAT(refusal<FileError>([&] { in.array("/third"); }), Contains("/third: is compressed, and the file's datasets exceed 256 MiB"));
+    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases").array("/one"); }), Contains("/one: is compressed, and the file's datasets exceed 256 MiB"));
     CHECK(in.vector("/group/numbers")[2] == 3);
 }
 
-TEST_CASE("values that are packed otherwise than by gzip, or lie in pieces that the file does not hold, are refused") {
+TEST_CASE("datasets packed by another filter than gzip or with missing chunks are refused") {
     const TemporaryFolder folder;
     const std::string file = changed_file(folder, "a.h5", [](hid_t id) {
         const hid_t bits = in_pieces(100);
@@ -154,12 +154,12 @@ TEST_CASE("values that are packed otherwise than by gzip, or lie in pieces that 
         make_dataset(id, "/absent", in_pieces(3));
     });
     const Hdf5Reader in(file, "cases");
-    CHECK_THAT(refusal<FileError>([&] { in.array("/bits"); }), Contains("/bits: is packed by another filter than gzip"));
-    CHECK_THAT(refusal<FileError>([&] { in.array("/absent"); }), Contains("/absent: claims more values than the file can hold"));
+    CHECK_THAT(refusal<FileError>([&] { in.array("/bits"); }), Contains("/bits: is compressed by a filter other than gzip"));
+    CHECK_THAT(refusal<FileError>([&] { in.array("/absent"); }), Contains("/absent: declares more values than the file can contain"));
     for (const std::string name : {"/pieces", "/row"}) CHECK(in.vector(name).size() == 1000);
 }
 
-TEST_CASE("what a dataset claims is held against its own space, not against the size of the file") {
+TEST_CASE("the claimed size of a dataset is compared with its own storage and not with the file size") {
     const TemporaryFolder folder;
     const std::string file = changed_file(folder, "a.h5", [](hid_t id) {
         make_zeros(id, "/filler", 100000, H5Pcreate(H5P_DATASET_CREATE));
@@ -171,17 +171,18 @@ TEST_CASE("what a dataset claims is held against its own space, not against the 
         const hid_t memory = H5Screate_simple(1, &piece, nullptr);
         REQUIRE(H5Sselect_hyperslab(space, H5S_SELECT_SET, &start, nullptr, &piece, nullptr) >= 0);
         const std::vector<double> values(piece, 1);
-        REQUIRE(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()) >= 0);  // one piece of a thousand
+        // one chunk of a thousand
+        REQUIRE(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()) >= 0);
         for (const hid_t one : {space, memory}) H5Sclose(one);
         H5Dclose(dataset);
         H5Pclose(creation);
     });
     const Hdf5Reader in(file, "cases");
     CHECK(in.vector("/filler").size() == 100000);
-    CHECK_THAT(refusal<FileError>([&] { in.array("/claims"); }), Contains("/claims: claims more values than the file can hold"));
+    CHECK_THAT(refusal<FileError>([&] { in.array("/claims"); }), Contains("/claims: declares more values than the file can contain"));
 }
 
-TEST_CASE("groups within more than 32 others, and names of more than 1024 bytes, are refused") {
+TEST_CASE("groups more than 32 deep and names of more than 1024 bytes are refused") {
     const TemporaryFolder folder;
     const auto deep = [&](int groups) {
         return changed_file(folder, "deep.h5", [&](hid_t id) {
@@ -193,7 +194,7 @@ TEST_CASE("groups within more than 32 others, and names of more than 1024 bytes,
         });
     };
     CHECK(Hdf5Reader(deep(32), "cases").datasets().size() == 1);
-    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(deep(33), "cases").datasets(); }), Contains("is a group within more than 32 others"));
+    CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(deep(33), "cases").datasets(); }), Contains("is nested in more than 32 groups"));
     const auto named = [&](std::size_t bytes) {
         return changed_file(folder, "long.h5", [&](hid_t id) { H5Gclose(H5Gcreate2(id, std::string(bytes, 'n').c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)); });
     };

@@ -23,7 +23,7 @@ namespace {
 
 const Provenance provenance{"tissuectl test", 4294967295UL, {{"in.csv", "00ff"}}};
 
-/// Numbers that a careless path through text or float would change.
+/// Numbers that a conversion to text or float would change.
 const std::vector<double>& odd_numbers() {
     static const std::vector<double> values = {0.1,
                                                -0.0,
@@ -39,7 +39,7 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 
-/// A small whole file of this project.
+/// Writes a small complete file of this project.
 std::string example_file(const TemporaryFolder& folder, const std::string& kind = "cases") {
     const std::string file = folder.file("a.h5");
     Hdf5Writer out(file, kind, provenance);
@@ -50,7 +50,7 @@ std::string example_file(const TemporaryFolder& folder, const std::string& kind 
     return file;
 }
 
-/// All that a file of this project says, for comparison; FileError where it is refused.
+/// The whole content of a file of this project, for comparison. Throws FileError if it is refused.
 std::string everything(const std::string& file) {
     const Hdf5Reader in(file, "");
     std::string all = in.text_attribute("/", "command") + in.text_attribute("/", "kind") + in.text_attribute("/", "input:in.csv") +
@@ -69,7 +69,7 @@ std::string everything(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("arrays come back with the same shape and the same bits") {
+TEST_CASE("arrays are read back with the same shape and the same bits") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.h5");
     const Array cube{{2, 3, 4}, [] {
@@ -98,7 +98,7 @@ TEST_CASE("arrays come back with the same shape and the same bits") {
     CHECK(in.array("/empty").values.empty());
 }
 
-TEST_CASE("a dataset grown by rows, in pieces of any size, is the dataset written at once") {
+TEST_CASE("rows appended in pieces of any size are read back as one dataset") {
     const TemporaryFolder folder;
     NodeField field(5000, 3);
     std::vector<int> counts;
@@ -134,7 +134,7 @@ TEST_CASE("a dataset grown by rows, in pieces of any size, is the dataset writte
     CHECK(in.text_attribute("/counts", "units") == "1");
 }
 
-TEST_CASE("integers and texts come back as they were") {
+TEST_CASE("integers and texts are read back unchanged") {
     const TemporaryFolder folder;
     const Hdf5Reader in(example_file(folder), "cases");
     CHECK(in.integers("/group/counts") == std::vector<int>{1, -2, 3, 2147483647});
@@ -142,7 +142,7 @@ TEST_CASE("integers and texts come back as they were") {
     CHECK(in.children("/group") == std::vector<std::string>{"counts", "numbers", "words"});
 }
 
-TEST_CASE("a file says its program, kind, format, version, command, seed and the hashes of its inputs") {
+TEST_CASE("an HDF5 file contains its program, kind, format, version, command, seed and input hashes") {
     const TemporaryFolder folder;
     const Hdf5Reader in(example_file(folder), "cases");
     CHECK(in.text_attribute("/", "program") == "tissuectl");
@@ -154,7 +154,7 @@ TEST_CASE("a file says its program, kind, format, version, command, seed and the
     CHECK(in.text_attribute("/", "input:in.csv") == "00ff");
 }
 
-TEST_CASE("every dataset says its units and what it is") {
+TEST_CASE("every dataset has its units and a description") {
     const TemporaryFolder folder;
     const Hdf5Reader in(example_file(folder), "");
     CHECK(in.text_attribute("/group/numbers", "units") == "N");
@@ -165,7 +165,7 @@ TEST_CASE("every dataset says its units and what it is") {
     CHECK_THAT(lines[0], Contains("/group/counts") && Contains("2 x 2") && Contains("counts"));
 }
 
-TEST_CASE("the same contents make the same file, byte for byte, whatever the time") {
+TEST_CASE("the same contents make the same file byte for byte; no time is stored") {
     const TemporaryFolder one, other;
     CHECK(file_hash(example_file(one)) == file_hash(example_file(other)));
     const hid_t id = H5Fopen(one.file("a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -177,7 +177,7 @@ TEST_CASE("the same contents make the same file, byte for byte, whatever the tim
     H5Fclose(id);
 }
 
-TEST_CASE("a file appears at commit and not before; without one the old file stays and nothing lies beside") {
+TEST_CASE("a file appears at commit; without it the old file stays and no temporary file remains") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.h5", "earlier results");
     {
@@ -199,14 +199,14 @@ TEST_CASE("a file that is missing, empty, foreign or a folder is refused by name
     CHECK_THAT(said(folder.file("none.h5")), Contains("none.h5") && Contains("no such file"));
     CHECK_THAT(said(folder.file("empty.h5", "")), Contains("empty.h5") && Contains("not an HDF5 file"));
     CHECK_THAT(said(folder.file("text.h5", "not a file of ours\n")), Contains("text.h5") && Contains("not an HDF5 file"));
-    CHECK_THAT(said(folder.file("")), Contains("is a folder, wanted a file"));
+    CHECK_THAT(said(folder.file("")), Contains("is a folder; give a file"));
 
     const std::string foreign = folder.file("foreign.h5");
     H5Fclose(H5Fcreate(foreign.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
     CHECK_THAT(said(foreign), Contains("foreign.h5") && Contains("not written by tissuectl"));
 }
 
-TEST_CASE("a file cut off anywhere is refused as truncated") {
+TEST_CASE("a truncated HDF5 file is refused") {
     const TemporaryFolder folder;
     const std::string whole = read_file(example_file(folder));
     for (const double part : {0.01, 0.3, 0.6, 0.9}) {
@@ -218,7 +218,7 @@ TEST_CASE("a file cut off anywhere is refused as truncated") {
     CHECK_THROWS_AS(Hdf5Reader(file, "cases"), FileError);
 }
 
-TEST_CASE("a bit flipped anywhere in a file is found out, or changes nothing that is read") {
+TEST_CASE("a flipped bit in a file is detected or changes nothing that is read") {
     const TemporaryFolder folder;
     const std::string file = example_file(folder), flipped = folder.file("flipped.h5"), whole = read_file(file), wanted = everything(file);
     int found = 0, harmless = 0;
@@ -236,13 +236,13 @@ TEST_CASE("a bit flipped anywhere in a file is found out, or changes nothing tha
             continue;
         }
         REQUIRE(seen == wanted);
-        ++harmless;  // of what lies unused between the pieces
+        ++harmless;  // unused bytes between the objects
     }
     CAPTURE(found, harmless);
     CHECK(found > 300);
 }
 
-TEST_CASE("a dataset that claims more than its file can hold is refused before memory is asked for") {
+TEST_CASE("a dataset that claims more values than its file can hold is refused") {
     const TemporaryFolder folder;
     const std::string file = example_file(folder);
     const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
@@ -258,11 +258,11 @@ TEST_CASE("a dataset that claims more than its file can hold is refused before m
     H5Sclose(space);
     H5Fclose(id);
     const Hdf5Reader in(file, "");
-    CHECK_THAT(refusal<FileError>([&] { in.array("/claims"); }), Contains("/claims: claims more values than the file can hold"));
-    CHECK_THAT(refusal<FileError>([&] { in.texts("/says"); }), Contains("/says: claims more values than the file can hold"));
+    CHECK_THAT(refusal<FileError>([&] { in.array("/claims"); }), Contains("/claims: declares more values than the file can contain"));
+    CHECK_THAT(refusal<FileError>([&] { in.texts("/says"); }), Contains("/says: declares more values than the file can contain"));
 }
 
-TEST_CASE("one number without dimensions is written and read, as what has none in it is") {
+TEST_CASE("a scalar dataset and an empty one are read back unchanged") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.h5");
     {
@@ -278,7 +278,7 @@ TEST_CASE("one number without dimensions is written and read, as what has none i
     CHECK(in.array("/none").values.empty());
 }
 
-TEST_CASE("texts and names of a file that are more than a line are read as one") {
+TEST_CASE("control characters and invalid UTF-8 in texts and names are read as question marks") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.h5");
     {
@@ -293,7 +293,7 @@ TEST_CASE("texts and names of a file that are more than a line are read as one")
     CHECK_THAT(refusal<FileError>([&] { in.array("/no\nwhere"); }), Contains("/no?where: is missing"));
 }
 
-TEST_CASE("texts of any length, which have no checksum, are refused in words that say what to do") {
+TEST_CASE("variable-length texts have no checksum and are refused with advice") {
     const TemporaryFolder folder;
     const std::string file = example_file(folder);
     const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), type = H5Tcopy(H5T_C_S1);
@@ -311,12 +311,12 @@ TEST_CASE("texts of any length, which have no checksum, are refused in words tha
     H5Tclose(type);
     H5Fclose(id);
     const Hdf5Reader in(file, "");
-    CHECK_THAT(refusal<FileError>([&] { in.texts("/old"); }), Contains("/old: holds texts of any length") && Contains("make the file anew"));
-    CHECK_THAT(refusal<FileError>([&] { in.text_attribute("/old", "units"); }), Contains("/old: attribute 'units' holds texts of any length"));
+    CHECK_THAT(refusal<FileError>([&] { in.texts("/old"); }), Contains("/old: has texts of variable length") && Contains("make the file again"));
+    CHECK_THAT(refusal<FileError>([&] { in.text_attribute("/old", "units"); }), Contains("/old: attribute 'units' has texts of variable length"));
     CHECK(in.texts("/group/words").size() == 3);
 }
 
-TEST_CASE("a file of a later format version, or of another kind, is refused") {
+TEST_CASE("a file of another kind or of a later or outdated format version is refused") {
     const TemporaryFolder folder;
     const std::string file = example_file(folder);
     CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "model"); }), Contains("a.h5") && Contains("'cases'") && Contains("'model'"));
@@ -326,7 +326,7 @@ TEST_CASE("a file of a later format version, or of another kind, is refused") {
     CHECK_THROWS_AS(Hdf5Reader(file, ""), FileError);
     for (const int of_other_contacts : {solid_format_version - 1, embedded_format_version - 1}) {
         set_format_version(file, of_other_contacts);
-        CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases"); }), Contains("a.h5") && Contains("make it anew"));
+        CHECK_THAT(refusal<FileError>([&] { Hdf5Reader(file, "cases"); }), Contains("a.h5") && Contains("make the file again"));
     }
 }
 
@@ -350,7 +350,7 @@ TEST_CASE("a dataset that is missing, of another shape or of another type is ref
     CHECK_THROWS_AS(in.text_attribute("/none", "units"), FileError);
 }
 
-TEST_CASE("an attribute that holds many values where one belongs is refused") {
+TEST_CASE("an attribute with many values is refused as a number") {
     const TemporaryFolder folder;
     const std::string file = example_file(folder);
     const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
@@ -366,7 +366,7 @@ TEST_CASE("an attribute that holds many values where one belongs is refused") {
     CHECK_THROWS_AS(in.number_attribute("/", "many"), FileError);
 }
 
-TEST_CASE("an attribute that is a number is no text, and a text of two mebibytes is no line") {
+TEST_CASE("an attribute of another type or of two mebibytes is reported as missing") {
     const TemporaryFolder folder;
     const std::string file = example_file(folder);
     const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), space = H5Screate(H5S_SCALAR), type = H5Tcopy(H5T_C_S1);
@@ -385,13 +385,13 @@ TEST_CASE("an attribute that is a number is no text, and a text of two mebibytes
     CHECK_THAT(refusal<FileError>([&] { in.number_attribute("/", "kind"); }), Contains("attribute 'kind' is missing"));
 }
 
-TEST_CASE("a folder that is not there is refused when the file is begun") {
+TEST_CASE("a file in a missing folder is refused when its writer is made") {
     const TemporaryFolder folder;
     CHECK_THAT(refusal<FileError>([&] { Hdf5Writer(folder.file("none/a.h5"), "cases", provenance); }),
                Contains("none/a.h5") && Contains("cannot write"));
 }
 
-TEST_CASE("a dataset or an attribute that cannot be made is refused by name, and the file does not appear") {
+TEST_CASE("a dataset that cannot be made is refused by name and the file does not appear") {
     const TemporaryFolder folder;
     {
         Hdf5Writer out(folder.file("a.h5"), "cases", provenance);

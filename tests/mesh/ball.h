@@ -8,7 +8,8 @@
 
 namespace tissue {
 
-/// A ball's surface: an octahedron, each facet divided into four so many times, points on the sphere. Normals out.
+/// Surface of a ball, normals out: an octahedron with points on the sphere. divisions: how many times each facet is
+/// divided into four.
 inline MshFile ball_surface(const Eigen::Vector3d& centre, double radius, int divisions) {
     MshFile file;
     file.file = "ball.stl";

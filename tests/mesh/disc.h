@@ -6,7 +6,7 @@
 
 namespace tissue {
 
-/// A disc of n sides and radius 0.05 m about its centre, the origin; the first quarter of its outline is held.
+/// A disc of n sides and radius 0.05 m around the origin. The first quarter of its outline is fixed.
 inline Shape disc(int n) {
     Shape shape;
     shape.nodes.resize(n + 1, 2);

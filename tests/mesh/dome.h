@@ -8,8 +8,8 @@
 
 namespace tissue {
 
-/// A rounded dome on a flat bed, z = 0, which is held: n x n x n / 2 boxes of six tetrahedra, pulled towards half a ball of
-/// radius 0.05 m. Without creases but for the bed's edge.
+/// A rounded dome on a flat fixed bed, z = 0: n x n x n / 2 boxes of six tetrahedra, mapped towards half a ball of
+/// radius 0.05 m. The bed's edge is the only crease.
 inline Shape dome(int n = 10) {
     Shape shape = solid_block(Lattice{{n, n, n / 2}, {2, 2, 1}});
     for (Eigen::Index i = 0; i < shape.nodes.rows(); ++i) {
@@ -22,7 +22,7 @@ inline Shape dome(int n = 10) {
     return shape;
 }
 
-/// The same as gmsh would hand it over, in millimetres: its bed "bed" 5, the tissue "flesh" 7.
+/// The same as a mesh of gmsh in millimetres, with the groups "bed" 5 and "flesh" 7.
 inline MshFile dome_file(int n = 10) {
     const Shape shape = dome(n);
     MshFile file;

@@ -5,7 +5,7 @@
 
 namespace tissue {
 
-/// A block's springs in cubes as long as its cells are along x.
+/// A block in a lattice of cubes as long as its cells are along x.
 inline SpringMesh embedded_block(const Lattice& of) { return embedded_lattice(solid_block(of), of.size_m[0] / of.cells[0]); }
 
 }  // namespace tissue

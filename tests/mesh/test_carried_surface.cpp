@@ -20,7 +20,7 @@ const SpringMesh& mesh() {
     return m;
 }
 
-/// The mesh's boundary in millimetres, each facet divided into four, and pushed out of it by so much.
+/// The mesh's boundary in millimetres, each facet divided into four and offset outwards by out_mm.
 MshFile finer(double out_mm = 0) {
     MshFile file;
     file.file = "organ.stl";
@@ -37,20 +37,21 @@ MshFile finer(double out_mm = 0) {
     return file;
 }
 
-/// Another displacement at every node.
+/// A displacement field that differs from node to node.
 NodeField waves() {
     return (37 * mesh().nodes.array()).sin() * 1e-3;
 }
 
 }  // namespace
 
-TEST_CASE("a finer surface goes with the facets that carry it, and keeps its distance", "[carried]") {
+TEST_CASE("a finer surface follows the facets that carry it and keeps its offset", "[carried]") {
     const NodeField u = waves();
     const CarriedSurface on = carried_surface(mesh(), finer(), 1e-3);
     REQUIRE(on.facets.rows() == 4 * mesh().facets.rows());
     CHECK((on.moved(0 * u) - on.vertices).cwiseAbs().maxCoeff() == 0);
     const NodeField moved = on.moved(u) - on.vertices;
-    for (Eigen::Index f = 0; f < mesh().facets.rows(); ++f) {  // corners as the nodes, midpoints half as each of two
+    // corners move as nodes, midpoints as the mean of two nodes
+    for (Eigen::Index f = 0; f < mesh().facets.rows(); ++f) {
         const auto node = [&](int k) { return u.row(mesh().facets(f, k % 3)); };
         for (int k = 0; k < 3; ++k) {
             CHECK((moved.row(6 * f + k) - node(k)).norm() < 1e-12);
@@ -66,19 +67,19 @@ TEST_CASE("a finer surface goes with the facets that carry it, and keeps its dis
     }
 }
 
-TEST_CASE("a thin sheet's vertices are carried by the side that looks their way", "[carried]") {
-    // pushed in so far that the other side of the flat is nearer to some of them
+TEST_CASE("vertices of a thin sheet are carried by the side of equal orientation", "[carried]") {
+    // vertices so deep that the opposite side of the plate is nearer
     const SpringMesh plate = embedded_lattice(solid_block(Lattice{{6, 6, 1}, {0.06, 0.06, 0.01}}), 0.01);
     MshFile top;
     top.file = "top.stl";
-    top.points = {{0.02, 0.02, 0.004}, {0.04, 0.02, 0.004}, {0.02, 0.04, 0.004}};  // nearer to the bottom, looks up
+    top.points = {{0.02, 0.02, 0.004}, {0.04, 0.02, 0.004}, {0.02, 0.04, 0.004}};  // nearer to the bottom, normal up
     top.triangles = {{0, {0, 1, 2}, 0}};
     const CarriedSurface carried = carried_surface(plate, top, 1);
     for (Eigen::Index v = 0; v < 3; ++v)
         for (int k = 0; k < 3; ++k) CHECK(plate.nodes(carried.node(v, k), 2) == 0.01);
 }
 
-TEST_CASE("a surface that points inwards is turned, and points of no triangle are left out", "[carried]") {
+TEST_CASE("a carried surface with inward normals is turned and its unused points are dropped", "[carried]") {
     MshFile inward = finer();
     inward.points.insert(inward.points.begin(), {0, 0, 0});  // in the middle of the bed
     for (MshFile::Element& e : inward.triangles) e = {0, {e.node[0] + 1, e.node[2] + 1, e.node[1] + 1}, 0};
@@ -97,8 +98,8 @@ TEST_CASE("a mesh's own surface is its boundary", "[carried]") {
         for (int k = 0; k < 3; ++k) CHECK(moved.row(own.facets(f, k)) == mesh().nodes.row(mesh().facets(f, k)) + u.row(mesh().facets(f, k)));
 }
 
-TEST_CASE("a surface of another organ or in another unit is refused, and so is the plane", "[carried]") {
-    CHECK_THAT(refusal<MismatchError>([] { carried_surface(mesh(), finer(), 1); }), Contains("organ.stl: lies up to ") && Contains("in another unit than 1 m"));
+TEST_CASE("a carried surface in another unit or without triangles is refused and so is a mesh in the plane", "[carried]") {
+    CHECK_THAT(refusal<MismatchError>([] { carried_surface(mesh(), finer(), 1); }), Contains("organ.stl: is up to ") && Contains("is its unit not 1 m?"));
     CHECK_THAT(refusal<MismatchError>([] { carried_surface(mesh(), MshFile{"empty.msh", {}, {}, {}, {}, {}, {}, {}}, 1); }), Contains("empty.msh: has no triangles"));
     CHECK_THAT(refusal<MismatchError>([] { carried_surface(make_lattice("grid8", 2, 2, 0.1, 0.1), finer(), 1e-3); }), Contains("in the plane"));
     CHECK_THAT(refusal<MismatchError>([] { own_surface(make_lattice("grid8", 2, 2, 0.1, 0.1)); }), Contains("in the plane"));

@@ -12,7 +12,7 @@
 using namespace tissue;
 using Catch::Matchers::Contains;
 
-TEST_CASE("a lattice's cells are its squares, whichever way they are divided, and cover the block once") {
+TEST_CASE("a lattice's cells are its rectangles with either diagonal") {
     for (const char* topology : {"grid4", "grid8"}) {
         const SpringMesh mesh = make_lattice(topology, 4, 3, 0.1, 0.06);
         const Cells cells = mesh_cells(mesh);
@@ -21,7 +21,7 @@ TEST_CASE("a lattice's cells are its squares, whichever way they are divided, an
         const Eigen::VectorXd areas = cell_areas(mesh, cells);
         for (double area : areas) CHECK(area == Approx(0.025 * 0.02).epsilon(tolerance::rounding));
         CHECK(cells.row(0) == Eigen::RowVector4i(0, 1, 6, 5));
-        CHECK(cells.row(3) == Eigen::RowVector4i(3, 4, 9, 8));  // divided the other way
+        CHECK(cells.row(3) == Eigen::RowVector4i(3, 4, 9, 8));  // with the other diagonal
     }
 }
 
@@ -35,10 +35,10 @@ TEST_CASE("a shape's cells are its triangles") {
 TEST_CASE("a lattice whose triangles do not pair up is refused") {
     SpringMesh mesh = make_lattice("grid8", 2, 2, 0.1, 0.1);
     mesh.simplices.row(1).swap(mesh.simplices.row(2));
-    CHECK_THAT(refusal<MismatchError>([&] { mesh_cells(mesh); }), Contains("pair up"));
+    CHECK_THAT(refusal<MismatchError>([&] { mesh_cells(mesh); }), Contains("form pairs"));
 }
 
-TEST_CASE("regions are the whole tissue and its quarters, and mirror themselves where the mesh does") {
+TEST_CASE("regions are the whole tissue and its quarters; on a symmetric mesh they are symmetric") {
     for (int across : {4, 5}) {
         const SpringMesh mesh = make_lattice("grid8", across, 4, 0.1, 0.1);
         const Cells cells = mesh_cells(mesh);

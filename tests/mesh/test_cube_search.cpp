@@ -1,4 +1,4 @@
-// Which cube of an embedded lattice a place lies in, or is nearest to.
+// Search for the cube of an embedded lattice at a position, or the nearest one.
 #include "mesh/cube_search.h"
 
 #include <catch2/catch.hpp>
@@ -10,7 +10,7 @@
 
 using namespace tissue;
 
-TEST_CASE("a place beyond the tissue has the nearest of the cubes around it, as a look at all of them says", "[embedded]") {
+TEST_CASE("CubeSearch finds the containing or the nearest cube as an exhaustive search does", "[embedded]") {
     SpringMesh mesh = embedded_block(Lattice{{4, 3, 3}, {0.04, 0.03, 0.03}});
     const double h = mesh.embedding.spacing_m;
     const Cells& all = mesh.embedding.cubes;
@@ -29,12 +29,12 @@ TEST_CASE("a place beyond the tissue has the nearest of the cubes around it, as 
         for (Eigen::Index c = 0; c < cubes.rows(); ++c) origin = origin.cwiseMin(low(c));
         int beyond = 0;
         for (int k = 0; k < 3000; ++k) {
-            // some on the faces' planes, where two are equally near
+            // some positions on planes of faces, where two cubes are equally near
             Eigen::Vector3d place(draw(-0.015, 0.055), draw(-0.015, 0.045), draw(-0.015, 0.045));
             if (k % 3 == 0) place[k % 9 / 3] = h * std::round(place[k % 9 / 3] / h);
             if (k % 5 == 0) place = h * (place / h).array().round();
             const CubeSearch::Found found = search.at(place);
-            // its own cube, or the first of the nearest in the order of z, y, x
+            // reference: the containing cube, or the first of the nearest in the order of z, y, x
             const Eigen::Vector3d local = (place - origin) / h, here = local.array().floor();
             double least = std::numeric_limits<double>::infinity();
             int nearest = -1;

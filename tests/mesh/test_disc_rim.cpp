@@ -36,7 +36,8 @@ MshFile box() {
     return mesh;
 }
 
-/// An ellipsoid of half axes 60, 45 and 30 mm in metres, held below z = -10 mm: an octahedron's triangles quartered.
+/// An ellipsoid of half axes 60, 45 and 30 mm, in metres, fixed below z = -10 mm: an octahedron, its triangles
+/// quartered `times` times.
 Surface ellipsoid(int times) {
     std::vector<Eigen::Vector3d> p{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     std::vector<std::array<int, 3>> t{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
@@ -79,7 +80,7 @@ double volume(const Surface& s) {
     return six / 6;
 }
 
-/// Sides between the disc and the rest, by the node they begin at: along the disc, anticlockwise.
+/// Sides between the disc and the rest, as first node -> second node, anticlockwise.
 std::map<int, int> rim_of(const Surface& s) {
     std::map<std::pair<int, int>, int> label;
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
@@ -96,7 +97,7 @@ const DiscRim on_top{{0.043, 0.052, 0.05}, 0.007, 0.003, 0.015};
 
 }  // namespace
 
-TEST_CASE("the disc's rim is one closed line of sides at its radius, which no triangle crosses", "[solid][rim]") {
+TEST_CASE("the disc's rim is one closed line of sides at its radius and no triangle crosses it", "[solid][rim]") {
     const auto check = [](const Surface& whole, const DiscRim& disc, double least) {
         const RimmedSurface made = with_rim(whole, disc);
         const Surface& s = made.surface;
@@ -121,12 +122,12 @@ TEST_CASE("the disc's rim is one closed line of sides at its radius, which no tr
             }
         CHECK(middle);
     };
-    check(make_surface(box(), {"bottom"}, 1e-3), on_top, 0.65);  // 0.55 where no side is turned
-    check(ellipsoid(5), {{0.02, 0.01, 0.03}, 0.007, 0.003, 0.012}, 0.3);  // what it is held by has a border of zigzags
+    check(make_surface(box(), {"bottom"}, 1e-3), on_top, 0.65);  // 0.55 without flips
+    check(ellipsoid(5), {{0.02, 0.01, 0.03}, 0.007, 0.003, 0.012}, 0.3);  // the fixed part has a zigzag border
     check(ellipsoid(5), {{0.058, 0, 0.01}, 0.007, 0.002, 0.012}, 0.3);
 }
 
-TEST_CASE("a flat surface keeps its area and volume, its creases and what is held", "[solid][rim]") {
+TEST_CASE("a box with a disc's rim keeps its volume and its free and fixed areas", "[solid][rim]") {
     const RimmedSurface made = with_rim(make_surface(box(), {"bottom"}, 1e-3), on_top);
     CHECK(volume(made.surface) == Approx(5e-4).epsilon(1e-9));
     CHECK(area(made.surface, Surface::fixed_label) == Approx(0.01).epsilon(1e-9));
@@ -137,7 +138,7 @@ TEST_CASE("a flat surface keeps its area and volume, its creases and what is hel
     CHECK((made.contact_m - on_top.contact_m).norm() < 1e-12);
 }
 
-TEST_CASE("what is held keeps its border within a flat face", "[solid][rim]") {
+TEST_CASE("the fixed part keeps its border within a flat face", "[solid][rim]") {
     MshFile mesh = box();
     mesh.triangles[2].physical = 3;  // half of the top
     mesh.triangle_names[3] = "half";
@@ -146,7 +147,7 @@ TEST_CASE("what is held keeps its border within a flat face", "[solid][rim]") {
     CHECK(volume(made.surface) == Approx(5e-4).epsilon(1e-9));
 }
 
-TEST_CASE("a curved surface keeps its volume and its disc's area to second order", "[solid][rim][long]") {
+TEST_CASE("volume and area of a curved surface converge faster than first order in the side length", "[solid][rim][long]") {
     const Surface whole = ellipsoid(5);
     const double all = area(whole, Surface::free_label) + area(whole, Surface::fixed_label);
     std::vector<double> volumes, areas;
@@ -161,7 +162,7 @@ TEST_CASE("a curved surface keeps its volume and its disc's area to second order
     CHECK(std::abs(areas[1]) < std::abs(areas[0]) / 2.5);
 }
 
-TEST_CASE("sides are as long as wanted near the disc and far away", "[solid][rim]") {
+TEST_CASE("sides are at most 1.6 times as long as wanted near the disc and far away", "[solid][rim]") {
     const RimmedSurface made = with_rim(make_surface(box(), {"bottom"}, 1e-3), on_top);
     const SideLength wanted = side_length(on_top, on_top.contact_m);
     double worst = 1;
@@ -175,7 +176,7 @@ TEST_CASE("sides are as long as wanted near the disc and far away", "[solid][rim
     CHECK(made.surface.triangles.rows() < 1500);
 }
 
-TEST_CASE("a place within a triangle whose corners stay becomes a node, with one more in the middle of its nearest side", "[solid][rim]") {
+TEST_CASE("a position inserted into a triangle becomes a node and its nearest side gets a midpoint node", "[solid][rim]") {
     SurfaceRemesh mesh(make_surface(box(), {"bottom"}, 1e-3), {{0, 0, 0}, 1, 1, 1});
     const Eigen::Vector3d place(0.02, 0.03, 0.05);
     mesh.insert(place);
@@ -185,7 +186,7 @@ TEST_CASE("a place within a triangle whose corners stay becomes a node, with one
     CHECK(volume(s) == Approx(5e-4).epsilon(1e-12));
 }
 
-TEST_CASE("a contact off the surface is taken to its nearest point; too far off, or on what is held, it is refused", "[solid][rim]") {
+TEST_CASE("a contact off the surface moves to its nearest point; far off or on the fixed part it is refused", "[solid][rim]") {
     const Surface whole = make_surface(box(), {"bottom"}, 1e-3);
     DiscRim disc = on_top;
     disc.contact_m.z() = 0.056;
@@ -193,71 +194,71 @@ TEST_CASE("a contact off the surface is taken to its nearest point; too far off,
     disc.contact_m.z() = 0.065;
     CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("is 15 mm off the surface, more than two disc radii") != std::string::npos);
     disc.contact_m = {0.05, 0.05, 0};
-    CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("is on the held part") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("is on a fixed part") != std::string::npos);
     disc.contact_m = {0, 0.05, 0.005};
-    CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("overlaps the held part at") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("overlaps a fixed part at") != std::string::npos);
     disc = on_top;
     disc.radius_m = 0;
     CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("must be positive") != std::string::npos);
     disc = on_top;
     disc.far_m = 0.001;
-    CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("at least that near") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { with_rim(whole, disc); }).find("at least the size near it") != std::string::npos);
 }
 
-TEST_CASE("a disc may press on an edge of the shape, which stays", "[solid][rim]") {
+TEST_CASE("a disc may lie on an edge of the shape and the edge is kept", "[solid][rim]") {
     const RimmedSurface made = with_rim(make_surface(box(), {"bottom"}, 1e-3), {{0.0, 0.05, 0.05}, 0.007, 0.003, 0.015});
     CHECK(volume(made.surface) == Approx(5e-4).epsilon(1e-9));
     CHECK(rim_of(made.surface).size() >= 10);
     CHECK(made.least_quality > 0.3);
 }
 
-TEST_CASE("a surface that is no ball's is refused with its place", "[solid][rim]") {
+TEST_CASE("a surface that is open or meets itself or has no valid fixed part is refused with the cause", "[solid][rim]") {
     const auto said = [](const MshFile& mesh, const std::vector<std::string>& fixed = {"bottom"}) {
         return refusal<FileError>([&] { make_surface(mesh, fixed, 1e-3); });
     };
     MshFile mesh = box();
     mesh.triangles.pop_back();
-    CHECK(said(mesh).find("box.msh: the surface does not close: it has a border at (0.1") == 0);
+    CHECK(said(mesh).find("box.msh: the surface is not closed: it has a border at (0.1") == 0);
     mesh = box();  // two tetrahedra on one edge
     mesh.triangles.clear();
     mesh.tetrahedra = {{1, {0, 1, 2, 4}, 10}, {2, {0, 1, 5, 7}, 10}};
-    CHECK(said(mesh).find("the surface meets itself at") != std::string::npos);
+    CHECK(said(mesh).find("the surface touches itself at") != std::string::npos);
     mesh = box();
     for (const MshFile::Element& e : box().triangles) mesh.triangles.push_back({e.number + 12, {e.node[0] + 8, e.node[1] + 8, e.node[2] + 8}, 2});
     for (const MshFile::Point& p : box().points) mesh.points.push_back({p.x + 500, p.y, p.z});
-    CHECK(said(mesh).find("more than one piece") != std::string::npos);
-    CHECK(said(box(), {"top"}) == "box.msh: has no surface 'top' to hold; it has bottom, rest");
+    CHECK(said(mesh).find("more than one part") != std::string::npos);
+    CHECK(said(box(), {"top"}) == "box.msh: has no surface 'top' to fix; its surfaces: bottom, rest");
     mesh = box();
     for (int k = 0; k < 12; ++k) {
         mesh.triangles[static_cast<std::size_t>(k)].physical = k + 1;
         mesh.triangle_names[k + 1] = fmt::format("part {:02}", k + 1);
     }
     CHECK(said(mesh, {"top"}).find("it has part 01, part 02, part 03, part 04, part 05, part 06, part 07, part 08, part 09, part 10, part 11, part 12") != std::string::npos);
-    mesh.points.push_back({50, 50, 50});  // one side of the top in two
+    mesh.points.push_back({50, 50, 50});  // divides the diagonal of the top
     mesh.triangles[2] = {3, {4, 5, 8}, 3};
     mesh.triangles.push_back({13, {4, 8, 6}, 13});
     mesh.triangles[3] = {4, {5, 7, 8}, 4};
     mesh.triangles.push_back({14, {8, 7, 6}, 13});
     mesh.triangle_names[13] = "part 13";
     CHECK(said(mesh, {"top"}).find("it has part 01, part 02, ..., part 13") != std::string::npos);
-    CHECK(said(box(), {"bottom", "rest"}).find("all of the surface is held") != std::string::npos);
-    CHECK(said(box(), {}).find("no surface of it is held") != std::string::npos);
+    CHECK(said(box(), {"bottom", "rest"}).find("all of the surface is fixed") != std::string::npos);
+    CHECK(said(box(), {}).find("no part of its surface is fixed") != std::string::npos);
     mesh = box();
     mesh.triangles.clear();
     CHECK(said(mesh).find("has neither tetrahedra nor triangles") != std::string::npos);
 }
 
-TEST_CASE("without names a surface's parts between creases are numbered, and triangles may be turned any way", "[solid][rim]") {
+TEST_CASE("parts of a surface without names are numbered by area; triangles may have any orientation", "[solid][rim]") {
     MshFile mesh = box();
     mesh.triangle_names.clear();
-    mesh.points[6].z = mesh.points[7].z = 60;  // the walls differ
+    mesh.points[6].z = mesh.points[7].z = 60;  // the wall at y = 100 is higher
     const Surface walls = make_surface(mesh, {"surface-6"}, 1e-3);
     CHECK(volume(walls) == Approx(5.5e-4));
     CHECK(area(walls, Surface::fixed_label) == Approx(0.005));  // the lowest wall is the smallest
-    CHECK(refusal<FileError>([&] { make_surface(mesh, {"surface-7"}, 1e-3); }).find("it has surface-1, surface-2") != std::string::npos);
+    CHECK(refusal<FileError>([&] { make_surface(mesh, {"surface-7"}, 1e-3); }).find("its surfaces: surface-1, surface-2") != std::string::npos);
 }
 
-TEST_CASE("a mesh of tetrahedra has the surface of its outer faces", "[solid][rim]") {
+TEST_CASE("the surface of tetrahedra is their outer faces; a shared triangle belongs to the first fixed group", "[solid][rim]") {
     MshFile mesh;
     mesh.file = "two.msh";
     mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
@@ -269,25 +270,25 @@ TEST_CASE("a mesh of tetrahedra has the surface of its outer faces", "[solid][ri
     CHECK(volume(s) == Approx(1.0 / 6 + 1.0 / 3));
     CHECK(area(s, Surface::fixed_label) == Approx(0.5));
 
-    // of two groups that share a triangle the first of those held has it, and its bed; the same in the shape
+    // a triangle of two groups belongs to the first fixed one, with its bed
     mesh.triangles.push_back({4, {0, 1, 2}, 2});
     mesh.triangle_names[2] = "table";
-    const int bed_label = held_label(1);
+    const int bed_label = fixed_label_of(1);
     CHECK(area(make_surface(mesh, {"bed", "table"}, 1, {}, {1, 1}), bed_label) == Approx(0.5));
     for (const auto& [held, beds] : {std::pair(std::vector<std::string>{"bed", "below z = 0.2"}, std::vector<int>{1, 0}), std::pair(std::vector<std::string>{"table", "below z = 0.2"}, std::vector<int>{1, 0})}) {
         const Surface parts = make_surface(mesh, held, 1, {}, beds);
         CHECK(area(parts, bed_label) == Approx(0.5));
         CHECK(area(parts, Surface::fixed_label) > 0.1);
     }
-    CHECK_THAT(refusal<FileError>([&] { make_surface(mesh, {"table", "bed"}, 1, {}, {1, 2}); }), Catch::Contains("two.msh: other parts hold all that 'bed' holds, and its bed has nothing"));
-    CHECK_THAT(refusal<FileError>([&] { make_surface(mesh, {"bed", "table"}, 1, {}, {1, 2}); }), Catch::Contains("two.msh: other parts hold all that 'table' holds, and its bed has nothing"));
+    CHECK_THAT(refusal<FileError>([&] { make_surface(mesh, {"table", "bed"}, 1, {}, {1, 2}); }), Catch::Contains("two.msh: other fixed parts include all of 'bed', so its bed has no area"));
+    CHECK_THAT(refusal<FileError>([&] { make_surface(mesh, {"bed", "table"}, 1, {}, {1, 2}); }), Catch::Contains("two.msh: other fixed parts include all of 'table', so its bed has no area"));
     mesh.triangles.pop_back();
     mesh.triangle_names.erase(2);
     mesh.triangles[0] = {3, {1, 2, 3}, 1};
-    CHECK(refusal<FileError>([&] { make_surface(mesh, {"bed"}, 1); }).find("'bed', to be held, has triangles that are not on the surface") != std::string::npos);
+    CHECK(refusal<FileError>([&] { make_surface(mesh, {"bed"}, 1); }).find("'bed', which is fixed, has triangles that are not on the surface") != std::string::npos);
 }
 
-TEST_CASE("a segmentation's short creases about the disc leave good triangles", "[solid][rim][long]") {
+TEST_CASE("short creases of a segmentation near the disc leave triangles of quality above 0.1", "[solid][rim][long]") {
     for (unsigned seed = 0; seed < 24; ++seed) {
         CAPTURE(seed);
         std::mt19937 draw(seed);
@@ -307,7 +308,7 @@ TEST_CASE("a segmentation's short creases about the disc leave good triangles", 
     }
 }
 
-TEST_CASE("a surface reads back as it was written", "[solid][rim]") {
+TEST_CASE("a surface with a rim is read back from MSH with its volume and fixed area", "[solid][rim]") {
     const std::string file = (std::filesystem::temp_directory_path() / "tissue-rim.msh").string();
     const RimmedSurface made = with_rim(make_surface(box(), {"bottom"}, 1e-3), on_top);
     write_file(file, to_msh(made.surface));

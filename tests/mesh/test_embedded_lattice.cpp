@@ -18,7 +18,7 @@ namespace {
 
 constexpr double mm = 1e-3;
 
-/// The dome turned, so that its bed and its surface cut cubes at all angles.
+/// The dome rotated, so that its bed and its surface cut cubes at all angles.
 Shape turned_dome() {
     Shape shape = dome(8);
     const Eigen::Matrix3d turn = (Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())).toRotationMatrix();
@@ -37,7 +37,7 @@ double volume_of(const Shape& shape) {
 
 }  // namespace
 
-TEST_CASE("a block fills its cubes, and each spring has its share of each cube that has it", "[embedded]") {
+TEST_CASE("a block fills its cubes and a spring's measure is the sum of its shares of adjacent cubes", "[embedded]") {
     const Shape block = solid_block({{4, 3, 2}, {0.04, 0.03, 0.02}});
     const SpringMesh mesh = embedded_lattice(block, 0.01);
     const auto K = block.nodes.rows();
@@ -61,22 +61,22 @@ TEST_CASE("a block fills its cubes, and each spring has its share of each cube t
     CHECK((mesh.node_measure - mass).cwiseAbs().maxCoeff() < 1e-9 * mass.maxCoeff());
 }
 
-TEST_CASE("an embedded lattice has the solid's volume in its cubes, wherever its surface cuts them", "[embedded]") {
+TEST_CASE("the cubes of an embedded lattice contain the solid's volume to 0.3 per cent", "[embedded]") {
     for (const Shape& shape : {dome(8), turned_dome()})
         for (const double h : {11 * mm, 7.3 * mm}) {
             const SpringMesh mesh = embedded_lattice(shape, h);
             const double in_cubes = h * h * h * mesh.embedding.fraction.sum(), volume = volume_of(shape);
             INFO(h);
             CHECK(in_cubes == Approx(volume).epsilon(3e-3));
-            CHECK(in_cubes < 1.001 * volume);  // cubes with hardly any are left out
+            CHECK(in_cubes < 1.001 * volume);  // cubes with very little tissue are dropped
             CHECK(mesh.embedding.fraction.minCoeff() > 0.02);
             CHECK(mesh.embedding.fraction.maxCoeff() < 1 + 1e-9);
-            CHECK(mesh.node_measure.sum() == Approx(in_cubes).epsilon(5e-3));  // with the least mass of a node
+            CHECK(mesh.node_measure.sum() == Approx(in_cubes).epsilon(5e-3));  // with the lower limit of node_measure
             CHECK(mesh.node_measure.head(mesh.embedding.node_count()).isZero(0));
         }
 }
 
-TEST_CASE("a cut cube's springs are stiffer where its tissue is, its mass is shared alike, and its volume is that at the tissue's centroid", "[embedded]") {
+TEST_CASE("a cut cube has spring measures by its tissue's moments and its volume gradient at the centroid", "[embedded]") {
     const double h = 0.01, V = h * h * h;
     const SpringMesh mesh = embedded_lattice(solid_block(Lattice{{4, 4, 1}, {0.04, 0.04, 0.015}}), h);  // the upper cubes are half full
     const int K = mesh.embedding.node_count();
@@ -90,7 +90,7 @@ TEST_CASE("a cut cube's springs are stiffer where its tissue is, its mass is sha
     // hat moments of the half: 3/32 at each lower corner, 1/32 at each upper one
     CHECK(measure(node(1, 2, 2), node(2, 2, 2)) == Approx(2 * 4 * 2 / 32.0 / 4));           // an edge of two cubes, on top
     CHECK(measure(node(1, 2, 1), node(2, 2, 1)) == Approx((2 * 4 * 6 / 32.0 + 2) / 4));     // between half and whole ones
-    CHECK(measure(node(1, 2, 1), node(1, 2, 2)) == Approx(4 * 4 * 4 / 32.0 / 4));           // upright, of four
+    CHECK(measure(node(1, 2, 1), node(1, 2, 2)) == Approx(4 * 4 * 4 / 32.0 / 4));           // vertical, of four
     CHECK(measure(node(1, 1, 2), node(2, 2, 2)) == Approx(2 * 4 / 32.0 / 6));               // a face on top
     CHECK(measure(node(1, 1, 1), node(2, 2, 2)) == Approx(0.5 / 4));                        // a body diagonal
     CHECK(mesh.node_measure[node(2, 2, 2)] == Approx(4 * 0.5 / 8 * V));
@@ -108,7 +108,7 @@ TEST_CASE("a cut cube's springs are stiffer where its tissue is, its mass is sha
     CHECK((gradient - Eigen::Vector3d(0.0125, 0, 0.035)).norm() < 1e-12);
 }
 
-TEST_CASE("a held plane is a plane of the embedded lattice", "[embedded]") {
+TEST_CASE("a fixed plane is a lattice plane of the embedded lattice", "[embedded]") {
     Shape shape = dome(6);
     shape.nodes.col(2).array() += 3.3 * mm;
     const SpringMesh mesh = embedded_lattice(shape, 9 * mm);
@@ -118,7 +118,7 @@ TEST_CASE("a held plane is a plane of the embedded lattice", "[embedded]") {
     CHECK(mesh.fixed == edge_mesh(shape).fixed);
 }
 
-TEST_CASE("an embedded solid's nodes move with the lattice: linear fields exactly", "[embedded]") {
+TEST_CASE("interpolation from the lattice to the solid's nodes is exact for linear fields", "[embedded]") {
     const SpringMesh mesh = embedded_lattice(turned_dome(), 9 * mm);
     const int K = mesh.embedding.node_count();
     const Eigen::Matrix3d strain = (Eigen::Matrix3d() << 1, 0.3, -2, 0.5, -1, 0.1, 0.2, 0.4, 0.7).finished();
@@ -128,7 +128,7 @@ TEST_CASE("an embedded solid's nodes move with the lattice: linear fields exactl
     CHECK((u - mesh.nodes * strain).cwiseAbs().maxCoeff() < 1e-14);
 }
 
-TEST_CASE("an embedded lattice that is not possible is refused", "[embedded]") {
+TEST_CASE("an embedded lattice with zero spacing or too many cubes is refused", "[embedded]") {
     CHECK_THROWS_WITH(embedded_lattice(dome(6), 0), Contains("spacing > 0"));
     CHECK_THROWS_WITH(embedded_lattice(dome(6), 1e-5), Contains("cubes"));
 }

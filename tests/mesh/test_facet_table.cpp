@@ -6,7 +6,7 @@ using namespace tissue;
 
 namespace {
 
-/// The number of the corner with these weights, in parts.
+/// Number of the corner with weights (i, j, parts - i - j) / parts.
 Eigen::Index corner_at(const NodeField& corners, int i, int j, int parts) {
     for (Eigen::Index v = 0; v < corners.rows(); ++v)
         if ((parts * corners.row(v) - Eigen::RowVector3d(i, j, parts - i - j)).norm() < 1e-9) return v;
@@ -16,13 +16,14 @@ Eigen::Index corner_at(const NodeField& corners, int i, int j, int parts) {
 
 }  // namespace
 
-TEST_CASE("a table over facets is linear in each of a facet's parts", "[solid]") {
+TEST_CASE("a facet table is linear in each part of a facet", "[solid]") {
     for (int parts : {1, 2, 3, 6}) {
         const NodeField corners = FacetTable::corners(parts);
         REQUIRE(corners.rows() == FacetTable::corner_count(parts));
         CHECK(FacetTable::parts_of(corners.rows()) == parts);
         const FacetTable table{NodeField::Random(2, corners.rows())};
-        const auto check = [&](std::initializer_list<std::pair<int, int>> of) {  // the mean of some corners of a part, one of them perhaps twice, at the mean of their places
+        // at the mean of some corners of a part, repeats allowed, the value is the mean of theirs
+        const auto check = [&](std::initializer_list<std::pair<int, int>> of) {
             Eigen::Vector3d weight = Eigen::Vector3d::Zero();
             double mean = 0;
             for (const auto& [i, j] : of) {
@@ -44,7 +45,7 @@ TEST_CASE("a table over facets is linear in each of a facet's parts", "[solid]")
             }
         check({{parts, 0}});
         check({{0, parts}});
-        // where rounding makes the weights sum to more than 1
+        // weights that sum to more than 1 by rounding
         CHECK(table.at(1, Eigen::Vector3d(1, 1e-16, 0)) == Approx(table.value(1, corner_at(corners, parts, 0, parts))));
     }
     CHECK(FacetTable::parts_of(4) == 0);

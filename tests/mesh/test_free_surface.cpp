@@ -19,7 +19,7 @@ SpringMesh block() { return embedded_block(Lattice{{4, 3, 2}, {0.04, 0.03, 0.02}
 
 }  // namespace
 
-TEST_CASE("the free surface of a solid is all but its bottom, and knows the nearest point and the way in", "[solid]") {
+TEST_CASE("the free surface of a block excludes its bottom and gives nearest points and inward normals", "[solid]") {
     const SpringMesh mesh = block();
     const FreeSurface surface(mesh);
     CHECK(surface.held_facets().rows() == 2 * 4 * 3);
@@ -38,7 +38,7 @@ TEST_CASE("the free surface of a solid is all but its bottom, and knows the near
     CHECK_FALSE(surface.faces(node_at(mesh, Eigen::Vector3d(0, 0.01, 0.01)), in));
 }
 
-TEST_CASE("a point off a triangle's face is nearest to its side or corner", "[solid]") {
+TEST_CASE("nearest_on_facet gives points on a triangle's face or side or corner", "[solid]") {
     NodeField nodes(3, 3);
     nodes << 0, 0, 0, 1, 0, 0, 0, 1, 0;
     Cells facet(1, 3);
@@ -51,7 +51,7 @@ TEST_CASE("a point off a triangle's face is nearest to its side or corner", "[so
     CHECK(facet_measure(nodes, facet, 0) == Approx(0.5));
 }
 
-TEST_CASE("a solid's mesh with a fault says which part is wrong", "[solid]") {
+TEST_CASE("mesh_fault names the wrong part of a solid's mesh", "[solid]") {
     const auto part = [](const SpringMesh& mesh) { return mesh_fault(mesh).value_or(MeshFault{"none", ""}).part; };
     SpringMesh mesh = block();
     CHECK(part(mesh) == "none");
@@ -85,7 +85,7 @@ Point point_of(const SpringMesh& mesh, const FreeSurface::Walk& walk) {
 
 }  // namespace
 
-TEST_CASE("a walk on a flat face ends its length away, straight on", "[solid]") {
+TEST_CASE("a walk on a flat face is straight and as long as its tangential vector", "[solid]") {
     const SpringMesh mesh = block();
     const FreeSurface surface(mesh);
     for (const Eigen::Vector3d& way : {Eigen::Vector3d(0.017, 0.011, 0), {-0.01, 0.013, 0}, {0.02, 0, 0}, {0.01, 0.01, 0}, {-1e-5, 0, 0}}) {
@@ -97,7 +97,7 @@ TEST_CASE("a walk on a flat face ends its length away, straight on", "[solid]") 
         CHECK((point_of(mesh, walk) - (from + way)).norm() < 1e-15);
         CHECK((walk.along_m - way).norm() < 1e-15);
     }
-    // through nodes, and of a way that leads off the surface the part along it
+    // a path through nodes, along the tangential part of a vector off the surface
     const auto [facet, weight] = place_at(mesh, surface, Eigen::Vector3d(0.01, 0.01, 0.02));
     CHECK((point_of(mesh, surface.walk(facet, weight, Eigen::Vector3d(0.02, 0.01, 0.5))) - Eigen::Vector3d(0.03, 0.02, 0.02)).norm() < 1e-15);
     const FreeSurface::Walk none = surface.walk(facet, weight, Eigen::Vector3d(0, 0, 0.5));
@@ -105,7 +105,7 @@ TEST_CASE("a walk on a flat face ends its length away, straight on", "[solid]") 
     CHECK((point_of(mesh, none) - Eigen::Vector3d(0.01, 0.01, 0.02)).norm() < 1e-15);
 }
 
-TEST_CASE("a walk round an edge keeps its length and goes on down the side; it stops where the tissue is held", "[solid]") {
+TEST_CASE("a walk around an edge keeps its length and continues on the side; it stops at the fixed part", "[solid]") {
     const SpringMesh mesh = block();
     const FreeSurface surface(mesh);
     const auto [facet, weight] = place_at(mesh, surface, Eigen::Vector3d(0.033, 0.0112, 0.02));
@@ -124,7 +124,7 @@ TEST_CASE("a walk round an edge keeps its length and goes on down the side; it s
     CHECK(stuck.facet == bottom);
 }
 
-TEST_CASE("a walk goes back the way it came, never leaves the surface, and walks in parts as in one", "[solid]") {
+TEST_CASE("a walk is reversible and stays on the surface; two half walks equal a whole one", "[solid]") {
     for (const SpringMesh& mesh : {block(), make_lattice("grid8", 4, 3, 0.04, 0.03)}) {
         const FreeSurface surface(mesh);
         const bool solid = mesh.is_solid();

@@ -1,5 +1,5 @@
-// Parts of space that hold a solid's surface.
-#include "mesh/held_region.h"
+// Regions of space in which a solid's surface is fixed.
+#include "mesh/fixed_region.h"
 
 #include <fmt/format.h>
 
@@ -25,7 +25,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// The surface of a dome of tetrahedra, as a file of triangles without names, in millimetres.
+/// The surface of a dome, as a file of triangles without names, in millimetres.
 MshFile bare_dome(int along) {
     const Shape shape = dome(along);
     const Cells facets = open_faces(shape.simplices);
@@ -51,7 +51,7 @@ Parts parts_of(const Surface& s) {
     return parts;
 }
 
-/// Area of what lies at z = 0.
+/// Area of the triangles at z = 0 [m^2].
 double bed_m2(const MshFile& mesh) {
     double sum = 0;
     for (const MshFile::Element& e : mesh.triangles) {
@@ -66,62 +66,62 @@ double bed_m2(const MshFile& mesh) {
 
 }  // namespace
 
-TEST_CASE("a region that holds is read from text and from its word, and what begins like one but is none is refused", "[solid_shape]") {
+TEST_CASE("a fixed region is parsed from its text and from its word; malformed texts are refused", "[solid_shape]") {
     const Eigen::Vector3d at(0.01, 0.02, 0.03);
     for (const auto& [text, word, out_m] : {std::tuple("below z = 0.012", "below_z_0.012", 0.018), {"above x = -3e-2", "above_x_-3e-2", -0.04}, {"above x=0.5", "above_x_0.5", 0.49}, {"below\tz 1", "below_z_1", -0.97},
                                             {"ball 0.01 0.02 0.01 radius 0.015", "ball_0.01_0.02_0.01_radius_0.015", 0.005}, {"box 0 0 0 to 0.1 0.05 0.01", "box_0_0_0_to_0.1_0.05_0.01", 0.02},
                                             {"box 0 0 0 to 0.1 0.1 0.1", "box_0_0_0_to_0.1_0.1_0.1", -0.01}}) {
-        const auto region = HeldRegion::of(text);
+        const auto region = FixedRegion::of(text);
         REQUIRE(region);
         CHECK(region->word() == word);
         CHECK(region->outside_m(at) == Approx(out_m).margin(1e-15));
-        const auto again = HeldRegion::of(region->word());
+        const auto again = FixedRegion::of(region->word());
         REQUIRE(again);
         CHECK(again->word() == word);
         CHECK(again->outside_m(at) == region->outside_m(at));
     }
-    CHECK(HeldRegion::of("above x=+0.5")->outside_m(at) == Approx(0.49));
-    CHECK(HeldRegion::of("below_z_0.012")->text() == "below z = 0.012");
-    for (const char* name : {"bed", "surface-1", "below", "belowdeck", "underside", "box", "box_bottom", "ball_joint", "above_all"}) CHECK_FALSE(HeldRegion::of(name));
+    CHECK(FixedRegion::of("above x=+0.5")->outside_m(at) == Approx(0.49));
+    CHECK(FixedRegion::of("below_z_0.012")->text() == "below z = 0.012");
+    for (const char* name : {"bed", "surface-1", "below", "belowdeck", "underside", "box", "box_bottom", "ball_joint", "above_all"}) CHECK_FALSE(FixedRegion::of(name));
     for (const char* wrong : {"below z", "below_z", "below 0.02 z", "below z = 0,004", "box top", "below w = 1", "below z = 1 2", "above z = high", "above z = nan", "ball 0 0 0 radius 0", "ball 0 0 0 0.1", "ball 0 0 radius 0.1 0", "box 0 0 0 to 1 1", "box 0 0 1 to 1 1 0"})
-        CHECK_THAT(refusal<MismatchError>([&] { HeldRegion::of(wrong); }), Contains(wrong) && Contains("below z = 0.01"));
+        CHECK_THAT(refusal<MismatchError>([&] { FixedRegion::of(wrong); }), Contains(wrong) && Contains("below z = 0.01"));
 }
 
-TEST_CASE("a region within a distance of another surface has its facets in the middle, and needs a reader", "[solid_shape]") {
-    MshFile table;  // 200 mm by 200 mm at z = 10 mm, in millimetres, and a point that nothing uses
+TEST_CASE("a within region extends the given distance to both sides of another surface and needs a reader", "[solid_shape]") {
+    MshFile table;  // 200 mm by 200 mm at z = 10 mm, in millimetres, and an unused point
     table.file = "table.stl";
     for (const auto& [x, y] : {std::pair(-100, -100), {100, -100}, {100, 100}, {-100, 100}}) table.points.push_back({static_cast<double>(x), static_cast<double>(y), 10});
     table.points.push_back({0, 0, 0});
     table.triangles = {{1, {0, 1, 2}, 0}, {2, {0, 2, 3}, 0}};
     std::vector<std::string> asked;
-    const HeldRegion::Reader read = [&](const std::string& file) { return asked.push_back(file), table; };
-    const auto region = HeldRegion::of("within 0.003 of my_own/table__1.stl ", read, 0.001);
+    const FixedRegion::Reader read = [&](const std::string& file) { return asked.push_back(file), table; };
+    const auto region = FixedRegion::of("within 0.003 of my_own/table__1.stl ", read, 0.001);
     REQUIRE(region);
     CHECK(region->word() == "within_0.003_of_my_own/table__1.stl");
     CHECK(region->text() == "within 0.003 of my_own/table__1.stl");
     CHECK(region->narrowest_m() == Approx(0.006));
     for (const auto& [x, y, z, out_m] : {std::tuple(0.01, 0.02, 0.010, -0.003), {0.01, 0.02, 0.014, 0.001}, {0.01, 0.02, 0.006, 0.001}, {0.103, 0.02, 0.014, 0.002}, {0.103, 0.104, 0.022, 0.010}})
         CHECK(region->outside_m({x, y, z}) == Approx(out_m).margin(1e-12));
-    REQUIRE(HeldRegion::of(region->word(), read, 0.001));
-    CHECK(HeldRegion::of(region->word(), read, 0.001)->outside_m({0, 0, 0}) == Approx(0.007));
+    REQUIRE(FixedRegion::of(region->word(), read, 0.001));
+    CHECK(FixedRegion::of(region->word(), read, 0.001)->outside_m({0, 0, 0}) == Approx(0.007));
     CHECK(asked == std::vector<std::string>(3, "my_own/table__1.stl"));
-    CHECK(HeldRegion::within("within 0.003 of _b.stl")->file == "_b.stl");
-    CHECK(HeldRegion::within("within_0.003_of__b.stl")->file == "_b.stl");
-    CHECK(HeldRegion::within("\twithin  3e-3  of\ta b.stl\t")->word() == "within_3e-3_of_a b.stl");
+    CHECK(FixedRegion::within("within 0.003 of _b.stl")->file == "_b.stl");
+    CHECK(FixedRegion::within("within_0.003_of__b.stl")->file == "_b.stl");
+    CHECK(FixedRegion::within("\twithin  3e-3  of\ta b.stl\t")->word() == "within_3e-3_of_a b.stl");
 
     const Parts held = parts_of(make_surface(bare_dome(8), {"within 0.003 of table.stl"}, 0.001, read)),
                 half_spaces = parts_of(make_surface(bare_dome(8), {"below z = 0.013"}, 0.001)), less = parts_of(make_surface(bare_dome(8), {"below z = 0.007"}, 0.001));
     CHECK(held.held_m2 == Approx(half_spaces.held_m2 - less.held_m2).epsilon(0.01));
 
-    for (const char* name : {"within", "within_reach", "within_reach_of_it"}) CHECK_FALSE(HeldRegion::of(name, read));
+    for (const char* name : {"within", "within_reach", "within_reach_of_it"}) CHECK_FALSE(FixedRegion::of(name, read));
     for (const char* wrong : {"within 0.003", "within 0.003 of", "within 0 of table.stl", "within -1 of table.stl", "within reach of table.stl", "within_0.003_table.stl"})
-        CHECK_THAT(refusal<MismatchError>([&] { HeldRegion::of(wrong, read); }), Contains(wrong) && Contains("within 0.003 of spine.stl"));
-    CHECK_THAT(refusal<MismatchError>([&] { HeldRegion::of("within 0.003 of table.stl"); }), Contains("no other surface can be read here"));
+        CHECK_THAT(refusal<MismatchError>([&] { FixedRegion::of(wrong, read); }), Contains(wrong) && Contains("within 0.003 of spine.stl"));
+    CHECK_THAT(refusal<MismatchError>([&] { FixedRegion::of("within 0.003 of table.stl"); }), Contains("is not possible here"));
     table.triangles = {{1, {0, 1, 1}, 0}};
-    CHECK_THAT(refusal<FileError>([&] { HeldRegion::of("within 0.003 of table.stl", read); }), Contains("table.stl: has no triangle that has an area"));
+    CHECK_THAT(refusal<FileError>([&] { FixedRegion::of("within 0.003 of table.stl", read); }), Contains("table.stl: has no triangle with an area"));
 }
 
-TEST_CASE("what of a surface lies in a region is held, to its border, and the surface stays what it was", "[solid_shape]") {
+TEST_CASE("the part of a surface in a region is fixed; area, volume and closedness of the surface are unchanged", "[solid_shape]") {
     const MshFile bare = bare_dome(8);
     const Parts whole = parts_of(make_surface(bare, {"surface-1"}, 0.001));
     const double all_m2 = whole.held_m2 + whole.free_m2;
@@ -133,7 +133,7 @@ TEST_CASE("what of a surface lies in a region is held, to its border, and the su
         CHECK(parts.free_m2 > 0.02 * all_m2);
         CHECK(parts.held_m2 + parts.free_m2 == Approx(all_m2).epsilon(1e-9));
         CHECK(parts.six_volumes_m3 == Approx(whole.six_volumes_m3).epsilon(1e-9));
-        // every side has two triangles that run it in opposite ways, so it closes as before
+        // closed: every side has two triangles with opposite directions
         std::map<std::pair<int, int>, int> sides;
         for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
             for (int i = 0; i < 3; ++i) ++sides[{s.triangles(t, i), s.triangles(t, (i + 1) % 3)}];
@@ -145,14 +145,15 @@ TEST_CASE("what of a surface lies in a region is held, to its border, and the su
         double shortest_m = 1;
         for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
             for (int i = 0; i < 3; ++i) shortest_m = std::min(shortest_m, (s.corner(t, i) - s.corner(t, (i + 1) % 3)).norm());
-        CHECK(shortest_m > 0.9 * 0.1 * 0.1 / 80);  // a side of more than a fortieth of 0.1 m is halved, and cut no nearer than a tenth to its end
-        // no triangle reaches across the border by more than a tenth of a side, which is a fortieth of the surface's longest there
+        // a side of more than 1/40 of 0.1 m is halved, and cut no nearer than a tenth to its end
+        CHECK(shortest_m > 0.9 * 0.1 * 0.1 / 80);
+        // no triangle crosses the border by more than a tenth of a side; a side there is 1/40 of the surface's extent
         const double far_m = 0.1 * 0.1 / 40 * 1.001;
         for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
             double least = 1, most = -1;
             for (int i = 0; i < 3; ++i) {
                 double out = 1;
-                for (const std::string& text : texts) out = std::min(out, HeldRegion::of(text)->outside_m(s.corner(t, i)));
+                for (const std::string& text : texts) out = std::min(out, FixedRegion::of(text)->outside_m(s.corner(t, i)));
                 least = std::min(least, out);
                 most = std::max(most, out);
             }
@@ -160,19 +161,19 @@ TEST_CASE("what of a surface lies in a region is held, to its border, and the su
             CHECK((fixed ? most : -least) < far_m);
         }
     }
-    // the border belongs to the region, though a file's numbers are rounded: all of the flat bed
+    // the border belongs to the region also with rounded coordinates: the whole flat bed is fixed
     MshFile rounded = bare;
     for (std::size_t n = 0; n < rounded.points.size(); ++n) rounded.points[n].z += rounded.points[n].z != 0 ? 0 : n % 3 == 0 ? -1e-13 : 1e-13;
     for (const char* text : {"below z = 0", "below z = 1e-9"}) {
         const Parts bed = parts_of(make_surface(rounded, {text}, 0.001));
         CHECK(bed.held_m2 == Approx(bed_m2(bare)).epsilon(1e-6));
     }
-    CHECK_THAT(refusal<FileError>([&] { make_surface(bare, {"below z = -0.1"}, 0.001); }), Contains("dome.stl: 'below z = -0.1' holds nothing of its surface, which reaches from"));
-    CHECK_THAT(refusal<FileError>([&] { make_surface(bare, {"below z = 0.1"}, 0.001); }), Contains("all of the surface is held: it reaches from"));
+    CHECK_THAT(refusal<FileError>([&] { make_surface(bare, {"below z = -0.1"}, 0.001); }), Contains("dome.stl: 'below z = -0.1' fixes no part of its surface, which extends from"));
+    CHECK_THAT(refusal<FileError>([&] { make_surface(bare, {"below z = 0.1"}, 0.001); }), Contains("all of the surface is fixed: it extends from"));
     CHECK_THAT(refusal<FileError>([&] { make_surface(bare, {"below z"}, 0.001); }), Contains("dome.stl: 'below z' begins like a region"));
 }
 
-TEST_CASE("of large triangles too what lies in a region is held, to a few parts in a hundred of its area", "[solid_shape]") {
+TEST_CASE("on large triangles the fixed area of a region is right to 3 per cent", "[solid_shape]") {
     // a box of 80 x 60 x 50 mm in twelve triangles
     const Shape corners = solid_block(Lattice{{1, 1, 1}, {0.08, 0.06, 0.05}});
     const Cells facets = open_faces(corners.simplices);
@@ -192,7 +193,7 @@ TEST_CASE("of large triangles too what lies in a region is held, to a few parts 
     }
 }
 
-TEST_CASE("a thin slab is held all round, a region that is too narrow is refused, and a plane divides no more than it cuts", "[solid_shape][long]") {
+TEST_CASE("a thin slab is fixed all around; a too narrow region is refused; a plane divides few triangles", "[solid_shape][long]") {
     const auto box_of = [](const std::vector<int>& cells) {
         const Shape corners = solid_block(Lattice{cells, {0.1, 0.08, 0.05}});
         const Cells facets = open_faces(corners.simplices);
@@ -207,11 +208,11 @@ TEST_CASE("a thin slab is held all round, a region that is too narrow is refused
             const Parts parts = parts_of(make_surface(box_of(cells), {slab}, 1));
             CHECK(parts.held_m2 == Approx(0.36 * 0.001).epsilon(0.1));
         }
-        CHECK_THAT(refusal<FileError>([&] { make_surface(box_of(cells), {"box -1 -1 0.02 to 1 1 0.0205"}, 1); }), Contains("box.stl: 'box -1 -1 0.02 to 1 1 0.0205' is 0.5 mm across, which is less than a 130th"));
+        CHECK_THAT(refusal<FileError>([&] { make_surface(box_of(cells), {"box -1 -1 0.02 to 1 1 0.0205"}, 1); }), Contains("box.stl: 'box -1 -1 0.02 to 1 1 0.0205' is 0.5 mm wide, less than 1/130"));
         const Surface flat = make_surface(box_of(cells), {"below z = 0"}, 1);
         CHECK(flat.triangles.rows() == static_cast<Eigen::Index>(box_of(cells).triangles.size()));
     }
-    // a cylinder as CAD programs write it: two ends, and sides as long as it is
+    // a cylinder as CAD programs write it: two ends, and triangles as long as the cylinder
     const auto cylinder_of = [](int n) {
         MshFile cylinder;
         cylinder.file = "cylinder.stl";
@@ -231,10 +232,10 @@ TEST_CASE("a thin slab is held all round, a region that is too narrow is refused
     const Surface half = make_surface(cylinder, {"below z = 0.05"}, 1);
     CHECK(half.triangles.rows() < 4 * static_cast<Eigen::Index>(cylinder.triangles.size()));
     CHECK(parts_of(half).held_m2 == Approx(3.14159 * 0.0009 + 2 * 3.14159 * 0.03 * 0.05).epsilon(0.01));
-    CHECK_THAT(refusal<FileError>([&] { make_surface(cylinder_of(2000), {"ball 0 0 0.05 radius 0.0301"}, 1); }), Contains("more than 500000 triangles more near its border"));
+    CHECK_THAT(refusal<FileError>([&] { make_surface(cylinder_of(2000), {"ball 0 0 0.05 radius 0.0301"}, 1); }), Contains("more than 500000 new triangles near its border"));
 }
 
-TEST_CASE("a small held part keeps its area when the surface is divided anew, or the loss is told", "[solid_shape][long]") {
+TEST_CASE("a small fixed part keeps its area when the surface is remeshed; a loss of area is refused", "[solid_shape][long]") {
     const Shape corners = solid_block(Lattice{{50, 40, 25}, {0.1, 0.08, 0.05}});
     const Cells facets = open_faces(corners.simplices);
     MshFile box;
@@ -245,27 +246,27 @@ TEST_CASE("a small held part keeps its area when the surface is divided anew, or
         const Surface s = make_surface(box, {fmt::format("ball 0.05 0.04 0.05 radius {}", radius)}, 1);
         const RimmedSurface made = with_rim(s, {{0.1, 0.04, 0.03}, 0.005, 0.002, 0.008});
         INFO(radius);
-        CHECK(held_area_m2(made.surface) == Approx(3.14159 * radius * radius).epsilon(0.08));
+        CHECK(fixed_area_m2(made.surface) == Approx(3.14159 * radius * radius).epsilon(0.08));
         SurfaceRemesh even(s, {Eigen::Vector3d::Zero(), 0, 0.008, 0.008});
         even.remesh(8);
-        CHECK_NOTHROW(check_held_area(s, even.surface()));
+        CHECK_NOTHROW(check_fixed_area(s, even.surface()));
     }
-    // a pad beside a bed that is larger by far: its loss is told
+    // a pad beside a much larger bed: the loss of the pad is refused
     const Surface both = make_surface(box, {"below z = 0", "ball 0.05 0.04 0.05 radius 0.006"}, 1);
     SurfaceRemesh coarse(both, {Eigen::Vector3d::Zero(), 0, 0.016, 0.016});
     coarse.remesh(8);
-    CHECK_NOTHROW(check_held_area(both, coarse.surface()));
+    CHECK_NOTHROW(check_fixed_area(both, coarse.surface()));
     Surface bed = coarse.surface();
     for (Eigen::Index t = 0; t < bed.triangles.rows(); ++t)
         if (bed.corner(t, 0).z() > 0.049) bed.label[static_cast<std::size_t>(t)] = Surface::free_label;
-    CHECK_THAT(refusal<MismatchError>([&] { check_held_area(both, bed); }), Contains("mm2 that are held about (") && Contains("0 mm2 are left"));
+    CHECK_THAT(refusal<MismatchError>([&] { check_fixed_area(both, bed); }), Contains("mm2 of fixed surface at (") && Contains("only 0 mm2 remain"));
     Surface lost = make_surface(box, {"ball 0.05 0.04 0.05 radius 0.01"}, 1);
     const Surface whole = lost;
     lost.label.assign(lost.label.size(), Surface::free_label);
-    CHECK_THAT(refusal<MismatchError>([&] { check_held_area(whole, lost); }), Contains("mm2 that are held about ("));
+    CHECK_THAT(refusal<MismatchError>([&] { check_fixed_area(whole, lost); }), Contains("mm2 of fixed surface at ("));
 }
 
-TEST_CASE("facets of a solid's tetrahedra with their middles in a region are held beside those that have a name", "[solid_shape]") {
+TEST_CASE("facets of tetrahedra with their centroid in a region are fixed in addition to named ones", "[solid_shape]") {
     const Shape shape = dome(8);
     MshFile mesh;
     mesh.file = "dome.msh";
@@ -281,5 +282,5 @@ TEST_CASE("facets of a solid's tetrahedra with their middles in a region are hel
     CHECK(held({"bed", "above z = 0.04"}) > bed);
     CHECK(held({"below z = 0"}) == bed);
     for (const auto& texts : std::vector<std::vector<std::string>>{{"above z = 1"}, {"bed", "above z = 1"}})
-        CHECK_THAT(refusal<FileError>([&] { held(texts); }), Contains("dome.msh: 'above z = 1' holds no facet of its surface, which reaches from"));
+        CHECK_THAT(refusal<FileError>([&] { held(texts); }), Contains("dome.msh: 'above z = 1' fixes no facet of its surface, which extends from"));
 }

@@ -21,7 +21,7 @@ Surface surface(int divisions) {
 
 }  // namespace
 
-TEST_CASE("what a closed surface encloses is what the ball is that it goes round", "[inclusion]") {
+TEST_CASE("an inclusion of a sphere's triangles has the ball's volume and centre and contains the same points", "[inclusion]") {
     const Inclusion ball(centre, radius_m), round(surface(5));
     CHECK((round.centre_m() - centre).norm() < 1e-9);
     CHECK(round.volume_m3() == Approx(ball_m3).epsilon(2e-3));
@@ -37,8 +37,8 @@ TEST_CASE("what a closed surface encloses is what the ball is that it goes round
     }
 }
 
-TEST_CASE("triangles of finite elements enclose the volume of the surface that they are made of", "[inclusion]") {
-    MshFile steps = ball_surface(1e3 * centre, 1e3 * radius_m, 5);  // as of voxels of 0.5 mm
+TEST_CASE("inclusion_facets keeps volume and centroid of a surface and has sides of the wanted length", "[inclusion]") {
+    MshFile steps = ball_surface(1e3 * centre, 1e3 * radius_m, 5);  // as from voxels of 0.5 mm
     for (MshFile::Point& p : steps.points)
         for (double* x : {&p.x, &p.y, &p.z}) *x = std::round(2 * *x) / 2 + 0.2 * (*x - std::round(2 * *x) / 2);
     for (const Surface& given : {surface(5), inclusion_surface(steps, 1e-3)})
@@ -59,13 +59,13 @@ TEST_CASE("triangles of finite elements enclose the volume of the surface that t
         }
 }
 
-TEST_CASE("an inclusion's surface with a hole is refused by its file, and by the first fault", "[inclusion]") {
+TEST_CASE("an inclusion's surface with a hole is refused with its file and first fault", "[inclusion]") {
     MshFile open = ball_surface(centre, radius_m, 2);
     open.triangles.pop_back();
     CHECK_THAT(refusal<FileError>([&] { inclusion_surface(open, 1); }), Contains("ball.stl: 1 hole, perimeter") && Contains(" mm") && Contains("tissuectl surface"));
 }
 
-TEST_CASE("an inclusion stands in the file of the surface about it, in no physical group", "[inclusion]") {
+TEST_CASE("to_msh writes an inclusion beside the outer surface and in no physical group", "[inclusion]") {
     const Surface outer = inclusion_surface(ball_surface(centre, 0.05, 2), 1), inner = surface(1);
     const std::string text = to_msh(outer, &inner);
     CHECK_THAT(text, Contains("$Nodes\n" + std::to_string(outer.nodes.rows() + inner.nodes.rows()) + "\n"));

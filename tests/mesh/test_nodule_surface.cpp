@@ -27,7 +27,7 @@ NoduleSurface corner() {
 
 }  // namespace
 
-TEST_CASE("a ball's surface is 320 even triangles with their corners on it, normals out, and encloses 96 to 97 per cent of it") {
+TEST_CASE("a ball's surface is 320 even triangles with corners on it that enclose 96 to 97 per cent of it") {
     const NoduleSurface s = ball();
     CHECK(s.points.rows() == 162);
     REQUIRE(s.triangles.rows() == 320);
@@ -44,7 +44,7 @@ TEST_CASE("a ball's surface is 320 even triangles with their corners on it, norm
     CHECK((part > 0.96 && part < 0.97));
 }
 
-TEST_CASE("the surface of a file's nodule is the file's, and none where it is too large to be sent") {
+TEST_CASE("nodule_surface returns the surface of a file's nodule and nothing above 20000 points") {
     const Surface given{corner().points, corner().triangles, {Surface::free_label, Surface::free_label, Surface::free_label, Surface::free_label}};
     const NoduleSurface s = nodule_surface(Inclusion(given));
     CHECK(s.points == given.nodes);
@@ -54,24 +54,24 @@ TEST_CASE("the surface of a file's nodule is the file's, and none where it is to
     CHECK(nodule_surface(Inclusion(large)).empty());
 }
 
-TEST_CASE("a surface that does not close, points inwards or has points beside it encloses no nodule") {
+TEST_CASE("nodule_fault detects open surfaces and inward normals and unused points") {
     CHECK_FALSE(nodule_fault(corner()));
     NoduleSurface open = corner(), inward = corner(), turned = corner(), twice = corner(), more = corner();
     open.triangles.conservativeResize(3, 3);
-    CHECK(nodule_fault(open)->find("do not close") != std::string::npos);
+    CHECK(nodule_fault(open)->find("are not closed") != std::string::npos);
     inward.triangles.col(1).swap(inward.triangles.col(2));
-    CHECK(nodule_fault(inward)->find("point inwards") != std::string::npos);
+    CHECK(nodule_fault(inward)->find("have inward normals") != std::string::npos);
     turned.triangles.row(3) << 1, 3, 2;
-    CHECK(nodule_fault(turned)->find("do not close") != std::string::npos);
+    CHECK(nodule_fault(turned)->find("are not closed") != std::string::npos);
     twice.triangles.conservativeResize(8, 3);
     twice.triangles.bottomRows(4) = corner().triangles;
-    CHECK(nodule_fault(twice)->find("do not close") != std::string::npos);
+    CHECK(nodule_fault(twice)->find("are not closed") != std::string::npos);
     more.points.conservativeResize(5, 3);
     more.points.row(4) << 2, 2, 2;
-    CHECK(*nodule_fault(more) == "leave out point 4");
+    CHECK(*nodule_fault(more) == "do not use point 4");
 }
 
-TEST_CASE("points inside a mesh go with any affine motion of its nodes exactly, in a tetrahedron that has them, and beside the mesh too") {
+TEST_CASE("carried points follow an affine motion of the mesh exactly inside and outside it") {
     const SpringMesh mesh = embedded_lattice(dome(6), 0.011);
     NodeField points(4, 3);
     const Eigen::RowVector3d middle = mesh.own_nodes().colwise().mean();
@@ -80,7 +80,8 @@ TEST_CASE("points inside a mesh go with any affine motion of its nodes exactly, 
     CHECK((carried.weight.rowwise().sum().array() - 1).abs().maxCoeff() < 1e-9);
     CHECK(carried.weight.topRows(3).minCoeff() > -1e-9);
     CHECK(carried.weight.row(3).minCoeff() < -0.1);
-    CHECK(carried.node.maxCoeff() < mesh.embedding.node_count());   // its own nodes, whose motion a page is told
+    // nodes of the solid, whose displacements a page gets
+    CHECK(carried.node.maxCoeff() < mesh.embedding.node_count());
     Eigen::Matrix3d stretch = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
     stretch.col(1) *= 1.3;
     const Eigen::RowVector3d shift(0.01, 0.02, -0.03);

@@ -18,7 +18,7 @@ Outline block() {
 
 }  // namespace
 
-TEST_CASE("the free surface of a block is its sides and its top, from the bottom right round to the bottom left") {
+TEST_CASE("the outline of a block runs over its sides and top from bottom right to bottom left") {
     CHECK(block().length() == Approx(0.1 + 0.2 + 0.1).epsilon(tolerance::rounding));
     const auto near = [](const Eigen::Vector2d& a, double x, double y) { return (a - Eigen::Vector2d(x, y)).norm() < 1e-14; };
     CHECK(near(block().position(0), 0.2, 0));
@@ -35,12 +35,12 @@ TEST_CASE("the corners of a block of one cell are all of its free nodes") {
     CHECK(Outline(mesh).corners() == std::vector<double>{0.1, 0.2});
 }
 
-TEST_CASE("a surface point's arc length leads back to it") {
+TEST_CASE("arc_of is the inverse of position along the outline") {
     for (double arc = 0; arc <= 0.4; arc += 0.013)
         CHECK(block().arc_of(block().position(arc)) == Approx(arc).margin(tolerance::rounding));
 }
 
-TEST_CASE("the inward normal points into the tissue, at a corner half-way between both sides") {
+TEST_CASE("the inward normal points into the tissue; at a corner it bisects both sides' normals") {
     CHECK((block().inward_normal(0.05) - Eigen::Vector2d(-1, 0)).norm() < tolerance::rounding);
     CHECK((block().inward_normal(0.2) - Eigen::Vector2d(0, -1)).norm() < tolerance::rounding);
     CHECK((block().inward_normal(0.37) - Eigen::Vector2d(1, 0)).norm() < tolerance::rounding);
@@ -48,7 +48,7 @@ TEST_CASE("the inward normal points into the tissue, at a corner half-way betwee
     CHECK((corner - Eigen::Vector2d(-1, -1) / std::sqrt(2)).norm() < tolerance::rounding);
 }
 
-TEST_CASE("a push's angle off the normal is what it was made with, counter-clockwise positive") {
+TEST_CASE("angle is the inverse of direction; angles are counter-clockwise from the inward normal") {
     for (double arc : {0.03, 0.1, 0.22})
         for (double angle : {-1.2, 0.0, 0.3}) {
             const Eigen::Vector2d push = block().direction(arc, angle);
@@ -58,7 +58,7 @@ TEST_CASE("a push's angle off the normal is what it was made with, counter-clock
     CHECK((block().direction(0.2, pi / 2) - Eigen::Vector2d(1, 0)).norm() < tolerance::rounding);
 }
 
-TEST_CASE("a mesh without a free surface, or with two, has no outline") {
+TEST_CASE("an outline is refused for a mesh without a free surface or with two") {
     SpringMesh mesh = make_lattice("grid4", 4, 3, 0.2, 0.1);
     SpringMesh held = mesh;
     held.fixed.clear();

@@ -20,7 +20,7 @@ Eigen::Vector3d middle(const MshFile& mesh, const MshFile::Tetrahedron& e) {
     return sum;
 }
 
-/// The dome, what of it is east of x = 5 mm a "stone" 8 and what is west of -10 mm a "bone" 9; in millimetres.
+/// The dome in millimetres; its tetrahedra above x = 5 mm are "stone" 8, those below x = -10 mm "bone" 9.
 MshFile stony_dome() {
     MshFile mesh = dome_file(6);
     for (MshFile::Tetrahedron& e : mesh.tetrahedra) {
@@ -34,7 +34,7 @@ MshFile stony_dome() {
 
 }  // namespace
 
-TEST_CASE("a place in a mesh of tetrahedra has the region of the one it lies in, one a little outside that of the nearest") {
+TEST_CASE("a position has the region of the tetrahedron that contains it or of the nearest one") {
     const MshFile mesh = stony_dome();
     const RegionLookup regions(mesh, {"bone", "stone"}, 0.001);
     for (const MshFile::Tetrahedron& e : mesh.tetrahedra)
@@ -42,7 +42,7 @@ TEST_CASE("a place in a mesh of tetrahedra has the region of the one it lies in,
     CHECK(regions.at({0.0503, 0, 0}) == 2);
     CHECK(regions.at({-0.0503, 0, 0}) == 1);
     CHECK(regions.at({0, 0, 0.0503}) == 0);
-    MshFile twice = mesh;  // a volume in two groups: the study's counts
+    MshFile twice = mesh;  // tetrahedra in two groups: the study's region counts
     for (MshFile::Tetrahedron e : mesh.tetrahedra)
         if (e.physical == 8) {
             e.physical = 7;
@@ -51,7 +51,7 @@ TEST_CASE("a place in a mesh of tetrahedra has the region of the one it lies in,
     CHECK(RegionLookup(twice, {"stone"}, 0.001).at({0.03, 0, 0.01}) == 1);
 }
 
-TEST_CASE("a mesh of finite elements is labelled by the regions that their middles lie in") {
+TEST_CASE("tetrahedra of an FE mesh are labelled by the region of their centroid") {
     const RegionLookup regions(stony_dome(), {"bone", "stone"}, 0.001);
     MshFile fine = dome_file(14);
     for (MshFile::Point& p : fine.points) p = {1e-3 * p.x, 1e-3 * p.y, 1e-3 * p.z};
@@ -71,7 +71,7 @@ TEST_CASE("a mesh of finite elements is labelled by the regions that their middl
     CHECK(count[2] > count[1]);
 }
 
-TEST_CASE("regions that a mesh has not are refused with those there are") {
+TEST_CASE("an unknown region is refused with the known ones; a mesh without tetrahedra is refused") {
     CHECK_THAT(refusal<FileError>([] { RegionLookup(stony_dome(), {"stnoe"}, 1); }), Contains("dome.msh: has no physical volume 'stnoe'; it has: flesh, stone, bone"));
     MshFile skin = stony_dome();
     skin.tetrahedra.clear();

@@ -17,8 +17,8 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A unit square about a middle node, in four triangles, the last of them clockwise; the lower side is "base", the right
-/// triangle "hard"; node 9 belongs to nothing. `names`, `nodes` and `elements` may be put in the place of its own.
+/// A unit square in four triangles around a centre node, the last of them clockwise. The lower side is "base" and the
+/// right triangle "hard"; node 9 is unused.
 const std::string names = "1 1 \"base\"\n1 2 \"rest\"\n2 3 \"soft\"\n2 4 \"hard\"\n";
 const std::string nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.5 0.5 0\n9 7 7 0\n";
 const std::string elements =
@@ -48,7 +48,7 @@ Shape square(const std::string& text = square_text(), ShapeNotes* notes = nullpt
 
 }  // namespace
 
-TEST_CASE("a mesh becomes a shape: clockwise triangles turned, idle points dropped, units, held edges and regions kept") {
+TEST_CASE("make_shape turns clockwise triangles, drops unused points, converts units and keeps edges and regions") {
     ShapeNotes notes;
     const Shape shape = square(square_text(), &notes);
     CHECK(notes.turned == 1);
@@ -66,7 +66,7 @@ TEST_CASE("a mesh becomes a shape: clockwise triangles turned, idle points dropp
     }
 }
 
-TEST_CASE("springs on the edges of triangles: as many as Euler says, with the areas of (7) and (8)") {
+TEST_CASE("edge_mesh has Euler's number of springs and areas (7) and (8) that sum to 3 and 1 times the area") {
     for (const Shape& shape : {square(), disc(24), shape_of(make_lattice("grid4", 6, 4, 0.1, 0.1))}) {
         const SpringMesh mesh = edge_mesh(shape);
         const auto T = static_cast<int>(mesh.simplices.rows());
@@ -86,7 +86,7 @@ TEST_CASE("springs on the edges of triangles: as many as Euler says, with the ar
     }
 }
 
-TEST_CASE("a shape written and read again is the same to the last bit") {
+TEST_CASE("a shape is read back from MSH bit by bit") {
     TemporaryFolder folder;
     for (const Shape& shape : {square(), disc(24)}) {
         const Shape back = read_shape(folder.file("mesh.msh", to_msh(shape, {"hard"})));
@@ -98,12 +98,12 @@ TEST_CASE("a shape written and read again is the same to the last bit") {
     }
 }
 
-TEST_CASE("nodes are numbered along the longest axis, however the shape lies") {
+TEST_CASE("nodes are numbered along the longest axis for any orientation of a plane shape") {
     MshFile mesh = read(square_text());
     for (MshFile::Point& p : mesh.points) p = {p.x, 9 * p.y, 0};
     const Shape tall = make_shape(mesh, {"base"}, {}, 1);
     for (Eigen::Index i = 1; i < tall.nodes.rows(); ++i) CHECK(tall.nodes(i, 1) >= tall.nodes(i - 1, 1));
-    // turned by any angle: from left to right
+    // rotated by any angle: from left to right
     for (const double degrees : {20.0, 70.0, 110.0, 160.0, 200.0, 250.0, 290.0, 340.0}) {
         const double c = std::cos(degrees * 3.14159265358979323846 / 180), s = std::sin(degrees * 3.14159265358979323846 / 180);
         MshFile turned = mesh;
@@ -115,7 +115,7 @@ TEST_CASE("nodes are numbered along the longest axis, however the shape lies") {
     }
 }
 
-TEST_CASE("a modulus by triangle: (7) where all are alike, and a stiffer region stiffens its own edges alone") {
+TEST_CASE("a uniform modulus per triangle gives (7); a stiffer region stiffens only its own edges") {
     const Shape shape = square();
     const SpringMesh mesh = edge_mesh(shape);
     Eigen::VectorXd modulus = Eigen::VectorXd::Constant(4, 3.0);
@@ -126,39 +126,41 @@ TEST_CASE("a modulus by triangle: (7) where all are alike, and a stiffer region 
     const Eigen::VectorXd uneven = heuristic_stiffness(mesh, modulus);
     std::multiset<int> ratios;
     for (int s = 0; s < mesh.spring_count(); ++s) ratios.insert(static_cast<int>(std::lround(10 * uneven[s] / even[s])));
-    CHECK(ratios == std::multiset<int>{10, 10, 10, 10, 10, 55, 55, 100});  // its outer edge, its two inner ones
+    // 100: outer edge of the stiff triangle; 55: its two inner edges
+    CHECK(ratios == std::multiset<int>{10, 10, 10, 10, 10, 55, 55, 100});
     CHECK_THROWS_AS(heuristic_stiffness(make_lattice("grid8", 1, 1, 1, 1), Eigen::VectorXd::Ones(2)), MismatchError);
 }
 
-TEST_CASE("the normal of a curved surface turns evenly: a disc's points at its centre") {
+TEST_CASE("inward normals of a polygonal disc point at its centre to 2e-3") {
     const Outline outline(edge_mesh(disc(24)));
     CHECK(outline.corners().empty());
     for (double arc = 0.015; arc < outline.length() - 0.015; arc += 0.0017) {
         const Eigen::Vector2d p = outline.position(arc);
-        CHECK((outline.inward_normal(arc) + p.normalized()).norm() < 2e-3);  // of a polygon's own 0.13 at a node
+        // normals of the sides are off by 0.13 at a node
+        CHECK((outline.inward_normal(arc) + p.normalized()).norm() < 2e-3);
     }
 }
 
-TEST_CASE("a mesh that is no tissue is refused with file, place and cause") {
+TEST_CASE("an invalid mesh of a plane shape is refused with file, place and cause") {
     const auto said = [](const std::string& text) { return refusal<FileError>([&] { square(text); }); };
     const auto with_element = [](const std::string& line) { return square_text(nodes, elements + line + "\n"); };
     CHECK_THAT(said("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"), Contains(":2: ") && Contains("msh22"));
     CHECK_THAT(said("$MeshFormat\n2.2 1 8\n"), Contains(":2: ") && Contains("binary"));
     CHECK_THAT(said("solid\n"), Contains(":1: ") && Contains("not a gmsh mesh"));
-    CHECK_THAT(said(square_text().substr(0, 300)), Contains("breaks off") || Contains("is not"));
-    CHECK_THAT(said(with(square_text(), "$Nodes\n6", "$Nodes\n1000001")), Contains("says the number of nodes is 1000001; at most 1000000 are read"));
+    CHECK_THAT(said(square_text().substr(0, 300)), Contains("is truncated") || Contains("is not"));
+    CHECK_THAT(said(with(square_text(), "$Nodes\n6", "$Nodes\n1000001")), Contains("the number of nodes is 1000001; at most 1000000 are read"));
     CHECK_THAT(said(with_element("9 3 2 3 1 1 2 3 4")), Contains("element 9 is a quadrilateral"));
     CHECK_THAT(said(with_element("9 4 2 3 1 1 2 3 5")), Contains("element 9 is a tetrahedron"));
     CHECK_THAT(said(with_element("9 9 2 3 1 1 2 3 4 5 9")), Contains("second-order"));
     CHECK_THAT(said(with_element("9 2 2 3 1 1 2 6")), Contains("names node 6, which does not exist"));
     CHECK_THAT(said(with_element("9 2 2 3 1 1 3 5")), Contains("element 9") && Contains("no area"));
-    CHECK_THAT(said(with_element("9 2 2 3 1 1 2 3")), Contains("lie over each other"));
+    CHECK_THAT(said(with_element("9 2 2 3 1 1 2 3")), Contains("two triangles overlap"));
     CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 0.5 0.5 0.2"))), Contains("not in the plane") && Contains("z = 0.02"));
     CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 0.5 nan 0"))), Contains("node 5") && Contains("finite"));
-    CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 1.5 0.5 0"))), Contains("over each other") || Contains("tangled"));
+    CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 1.5 0.5 0"))), Contains("overlap") || Contains("overlaps itself"));
     CHECK_THAT(said(square_text(nodes, elements.substr(0, elements.find("5 2")))), Contains("some.msh: has no triangles"));
     const std::string apart = nodes + "10 5 0 0\n11 6 0 0\n12 5 1 0\n";
-    CHECK_THAT(said(square_text(apart, elements + "9 2 2 3 1 10 11 12\n")), Contains("one closed loop") && Contains("piece"));
+    CHECK_THAT(said(square_text(apart, elements + "9 2 2 3 1 10 11 12\n")), Contains("one closed loop") && Contains("second part"));
     CHECK_THAT(said(square_text(apart, elements + "9 2 2 3 1 3 11 12\n")), Contains("touches itself at (0.1, 0.1) m"));
     const MshFile mesh = read(square_text());
     CHECK_THAT(refusal<FileError>([&] { make_shape(mesh, {"bottom"}, {}, 1); }),
@@ -169,8 +171,8 @@ TEST_CASE("a mesh that is no tissue is refused with file, place and cause") {
     CHECK_THAT(said(with_element("9 1 2 1 1 1 5")), Contains("fixed curve at") && Contains("not on the outline"));
 }
 
-TEST_CASE("triangles that fold over each other without sharing an edge are tangled") {
-    // a fan round node 5 that goes round twice would do; here the middle node has left the square
+TEST_CASE("a shape with a node displaced through its outline is refused") {
+    // the centre node is outside the square
     const std::string outside = with(nodes, "5 0.5 0.5 0", "5 0.5 -0.5 0");
     CHECK_THROWS_AS(square(square_text(outside)), FileError);
 }

@@ -35,7 +35,7 @@ TEST_CASE("the paper's lattice has 121 nodes, 220 springs, and 420 with both dia
     CHECK(grid8.topology == "grid8");
 }
 
-TEST_CASE("the lattice of one cell is the cell: four sides, two diagonals, two triangles") {
+TEST_CASE("the lattice of one cell has four sides and two diagonals and two triangles") {
     const SpringMesh mesh = make_lattice("grid8", 1, 1, 0.2, 0.1);
     CHECK(mesh.node_count() == 4);
     CHECK(mesh.spring_count() == 6);
@@ -49,7 +49,7 @@ TEST_CASE("the lattice of one cell is the cell: four sides, two diagonals, two t
     CHECK(*lengths.rbegin() == Approx(std::hypot(0.1, 0.2)).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("every spring joins two different nodes, and no two springs join the same") {
+TEST_CASE("every spring joins two different nodes and no two springs join the same pair") {
     for (const char* topology : {"grid4", "grid8"}) {
         const SpringMesh mesh = make_lattice(topology, 5, 3, 0.1, 0.1);
         std::set<std::pair<int, int>> pairs;
@@ -88,7 +88,7 @@ TEST_CASE("the lattice is mirror-symmetric about its vertical axis") {
     }
 }
 
-TEST_CASE("triangles cover the tissue once, counter-clockwise, and a loaded top corner lies in two") {
+TEST_CASE("triangles are counter-clockwise and sum to the tissue's area; each top corner lies in two") {
     const SpringMesh mesh = make_lattice("grid4", 6, 4, 0.12, 0.1);
     double area = 0;
     for (int t = 0; t < mesh.simplices.rows(); ++t) {
@@ -99,7 +99,7 @@ TEST_CASE("triangles cover the tissue once, counter-clockwise, and a loaded top 
     for (double x : {0.0, 0.12}) CHECK((mesh.simplices.array() == node_at(mesh, Eigen::Vector2d(x, 0.1))).count() == 2);
 }
 
-TEST_CASE("the areas of (8) sum to the tissue's, a corner carrying a quarter of an inner node's") {
+TEST_CASE("the areas of (8) sum to the tissue's area; a corner has a quarter of an inner node's") {
     const SpringMesh mesh = make_lattice("grid4", 5, 2, 0.1, 0.06);
     CHECK(mesh.node_measure.sum() == Approx(0.1 * 0.06).epsilon(tolerance::rounding));
     const double inner = mesh.node_measure[node_at(mesh, Eigen::Vector2d(0.04, 0.03))];
@@ -146,15 +146,15 @@ TEST_CASE("a point of the outline is the weighted mean of its segment's nodes, (
     CHECK(third.weight[1] == Approx(0.3).epsilon(1e-9));  // 0.053 is rounded to a part in 1e16 of 0.1, a cell is 0.01
 }
 
-TEST_CASE("a node is found at its own place and nowhere else") {
+TEST_CASE("node_at finds a node at its position and refuses other positions") {
     const SpringMesh mesh = make_lattice("grid4", 5, 3, 0.1, 0.06);
     for (int i = 0; i < mesh.node_count(); ++i) CHECK(node_at(mesh, mesh.nodes.row(i)) == i);
-    CHECK(node_at(mesh, mesh.nodes.row(7) + Eigen::RowVector2d(5e-8, 0)) == 7);  // half of what is allowed
+    CHECK(node_at(mesh, mesh.nodes.row(7) + Eigen::RowVector2d(5e-8, 0)) == 7);  // half of the tolerance
     CHECK_THAT(refusal<MismatchError>([&] { node_at(mesh, Eigen::Vector2d(0.011, 0.02)); }), Contains("0.011"));
     CHECK_THROWS_AS(node_at(mesh, Eigen::Vector2d(std::nan(""), 0)), MismatchError);
 }
 
-TEST_CASE("a contact inside the tissue or outside it is not on the surface") {
+TEST_CASE("locate_on_surface refuses a contact inside or outside the tissue") {
     const SpringMesh mesh = make_lattice("grid4", 10, 10, 0.1, 0.1);
     CHECK_THAT(refusal<MismatchError>([&] { locate_on_surface(mesh, {0.002, 0.05}); }),
                Contains("0.002") && Contains("2 mm"));

@@ -18,7 +18,8 @@ namespace {
 using Catch::Matchers::Contains;
 using Kind = SurfaceFault::Kind;
 
-/// A box of 80 x 60 x 50 with its lowest corner at `low`, in squares of 10, two triangles each.
+/// Adds a box of 80 x 60 x 50, scaled by `factor`, with its lowest corner at (x, y, z). Before scaling its faces are
+/// squares of 10 with two triangles each.
 void add_box(MshFile& mesh, double x, double y, double z, double factor = 1) {
     const Shape solid = solid_block(Lattice{{8, 6, 5}, {80, 60, 50}});
     const Cells facets = open_faces(solid.simplices);
@@ -43,7 +44,7 @@ const SurfaceFault* fault(const SurfaceReport& report, Kind kind) {
 
 }  // namespace
 
-TEST_CASE("a closed surface has no faults, and its sizes", "[surface_report]") {
+TEST_CASE("a closed surface is reported with its sizes and without faults", "[surface_report]") {
     const SurfaceReport r = report_on(box());
     CHECK(r.faults.empty());
     CHECK(r.points == 9 * 7 * 6 - 7 * 5 * 4);
@@ -54,14 +55,14 @@ TEST_CASE("a closed surface has no faults, and its sizes", "[surface_report]") {
     CHECK(r.mean == Approx(10 * (2 + std::sqrt(2.0)) / 3));
     CHECK(r.slivers == 0);
     CHECK((r.high - r.low - Eigen::Vector3d(80, 60, 50)).norm() < 1e-12);
-    MshFile twice = box();  // an element in two groups
+    MshFile twice = box();  // every triangle in two groups
     twice.triangles.insert(twice.triangles.end(), twice.triangles.begin(), twice.triangles.end());
     CHECK(report_on(twice).faults.empty());
     CHECK_THAT(refusal<FileError>([] { report_on(MshFile{}); }), Contains("has no triangles"));
 }
 
-TEST_CASE("each fault of a surface is found, counted and placed", "[surface_report]") {
-    // a hole of one triangle, and one of two others far away
+TEST_CASE("holes, crowded edges, pinched points, parts, crossings and flat triangles are counted and located", "[surface_report]") {
+    // a hole of one triangle, then also one of two triangles far away
     MshFile mesh = box();
     const auto middle = [&](std::size_t t) {
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -86,7 +87,7 @@ TEST_CASE("each fault of a surface is found, counted and placed", "[surface_repo
     mesh = box();
     std::swap(mesh.triangles[3].node[0], mesh.triangles[3].node[1]);
     r = report_on(mesh);
-    CHECK(r.faults.empty());  // it is turned when it is filled
+    CHECK(r.faults.empty());  // filling turns it
     CHECK(r.turned == 1);
     CHECK(r.volume == Approx(240'000));
     CHECK_NOTHROW(make_surface(mesh, {"surface-1"}, 0.001));
@@ -102,7 +103,7 @@ TEST_CASE("each fault of a surface is found, counted and placed", "[surface_repo
     CHECK(fault(r, Kind::holes)->count == 1);
     CHECK(r.volume == 0);
 
-    // two boxes that share a point: no ring
+    // two boxes that share a point: no handle
     mesh = box();
     add_box(mesh, 80, 60, 50);
     const auto same = [&](const MshFile::Point& p) { return p.x == 80 && p.y == 60 && p.z == 50; };
@@ -125,7 +126,7 @@ TEST_CASE("each fault of a surface is found, counted and placed", "[surface_repo
     CHECK((fault(r, Kind::parts)->first.at(0) - Eigen::Vector3d(204, 3, 2.5)).norm() < 1e-9);
     CHECK(r.volume == Approx(240'000));
 
-    // a second box of the same size, moved: its corner is in the first one
+    // a second box of the same size with a corner inside the first one
     mesh = box();
     add_box(mesh, 45, 35, 25);
     r = report_on(mesh);
@@ -139,7 +140,7 @@ TEST_CASE("each fault of a surface is found, counted and placed", "[surface_repo
         CHECK((at - Eigen::Vector3d(85, 65, 55)).maxCoeff() < 1e-9);
     }
 
-    // one corner of the top is pushed through the bottom: the triangles about it cut the bottom's
+    // a point of the top is moved through the bottom: its triangles cross those of the bottom
     mesh = box();
     for (MshFile::Point& p : mesh.points)
         if (p.x == 40 && p.y == 30 && p.z == 50) p = {41, 32, -20};
@@ -147,7 +148,7 @@ TEST_CASE("each fault of a surface is found, counted and placed", "[surface_repo
     REQUIRE(r.faults.size() == 1);
     CHECK(fault(r, Kind::crossings)->count > 5);
 
-    // and one is laid onto its neighbour: triangles with a side in common are folded onto each other
+    // a point of the top is moved past its neighbour: triangles with a common side overlap
     mesh = box();
     for (MshFile::Point& p : mesh.points)
         if (p.x == 40 && p.y == 30 && p.z == 50) p = {58, 30, 50};
@@ -165,7 +166,7 @@ TEST_CASE("each fault of a surface is found, counted and placed", "[surface_repo
     }
 }
 
-TEST_CASE("a hole through a surface is found by Euler's number", "[surface_report]") {
+TEST_CASE("a hole through a surface is detected by its Euler characteristic", "[surface_report]") {
     // a block of 3 x 3 x 1 cubes without its middle one
     MshFile mesh;
     mesh.file = "frame.stl";
@@ -192,19 +193,19 @@ TEST_CASE("a hole through a surface is found by Euler's number", "[surface_repor
     REQUIRE(r.faults.size() == 1);
     CHECK(fault(r, Kind::handles)->count == 1);
     CHECK_THAT(refusal<FileError>([&] { make_surface(mesh, {"surface-1"}, 1); }), Contains("holes through it"));
-    // closed where the hole of 10 is narrower than said, and not before
+    // a hole of width 10 is closed if `closes` is larger
     for (const double closes : {7.0, 13.0}) {
         const RepairedSurface made = repaired(mesh, {closes, 0.1});
         const SurfaceReport after = report_on(made.mesh);
         CHECK((fault(after, Kind::handles) != nullptr) == (closes < 10));
-        CHECK((after.volume > 8600) == (closes > 10));  // 8000 without what is in the hole
-        if (closes > 10) CHECK(made.distances.most > 1);  // over the hole, where no corner of it need lie
+        CHECK((after.volume > 8600) == (closes > 10));  // 8000 without the volume of the hole
+        if (closes > 10) CHECK(made.distances.most > 1);  // over the hole, also where the new surface has no corner
     }
 }
 
-TEST_CASE("what is reported without a fault is taken, and what is repaired too", "[surface_report]") {
+TEST_CASE("make_surface accepts a surface reported without faults and a repaired surface", "[surface_report]") {
     CHECK_NOTHROW(make_surface(box(), {"surface-1"}, 0.001));
-    // everything at once: a hole, a crossing box, a turned triangle, one without area, and a crumb far away
+    // all at once: a hole, a crossing box, a turned triangle, one without area, and a small part far away
     MshFile mesh = box();
     add_box(mesh, 45, 35, 25);
     mesh.triangles.erase(mesh.triangles.begin() + 7);
@@ -216,18 +217,19 @@ TEST_CASE("what is reported without a fault is taken, and what is repaired too",
     const SurfaceReport r = report_on(made.mesh);
     CHECK(r.faults.empty());
     CHECK_NOTHROW(make_surface(made.mesh, {"below z = 0.02"}, 0.001));
-    const double both = 2 * 240'000. - 35 * 25 * 25, shell = r.area * 1;  // their volumes, without what they share twice; 1 farther out
+    // volume of the union of both boxes, and of the layer of thickness 1 around it
+    const double both = 2 * 240'000. - 35 * 25 * 25, shell = r.area * 1;
     CHECK(r.volume > both + shell);
-    CHECK(r.volume < 1.06 * (both + shell));  // no ball of 15 reaches into the edges where they meet
+    CHECK(r.volume < 1.06 * (both + shell));  // a ball of radius 15 does not fit into the concave edges
     CHECK(made.distances.left_out == 1);
     CHECK(made.distances.median == Approx(1).epsilon(0.05));
-    CHECK(made.distances.most > 1.5);  // over the hole, and in the edges where the boxes meet
+    CHECK(made.distances.most > 1.5);  // over the hole and in the concave edges between the boxes
     CHECK(made.distances.most < 12);
     CHECK(made.distances.given_median == Approx(1).epsilon(0.05));
-    CHECK(made.distances.given_most > 150);  // the crumb
+    CHECK(made.distances.given_most > 150);  // the small part
     CHECK((made.distances.given_at - Eigen::Vector3d(304, 3, 2.5)).norm() < 4);
     for (const SurfaceRepair& wrong : {SurfaceRepair{0.1, 1}, {30, 0}, {30, NAN}, {INFINITY, 1}})
-        CHECK_THAT(refusal<MismatchError>([&] { repaired(mesh, wrong); }), Contains("box.stl: is 304 across in its file's unit"));
+        CHECK_THAT(refusal<MismatchError>([&] { repaired(mesh, wrong); }), Contains("box.stl: has the size 304 in its file's unit"));
     const TemporaryFolder folder;
     const MshFile read = read_surface_file(folder.file("made.stl", to_stl(made.mesh)));
     CHECK(read.triangles.size() == made.mesh.triangles.size());

@@ -1,12 +1,14 @@
-"""Runs what documents print as commands: doc_commands.py ROOT COPY PAGE...; a check a line, "ok - " or "not ok - ".
+"""Runs the commands printed in documents: doc_commands.py ROOT COPY PAGE...; prints one "ok - " or "not ok - " line per
+check.
 
-A block of code (indented by four, or between ```) is a list of commands, run one by one from the root of COPY, unless a comment stands before it:
-  <!-- a study -->                    a study, written to fem/studies/printed.toml, planned, and its shape meshed
-  <!-- not run: REASON -->            nothing of it is run
-  <!-- not run [BEGINNING]: REASON -->  nothing that begins so; the rest is
-A word in CAPITALS stands for a file of the reader's own: COPY/given has it. A study that `tissuectl new` writes gets fewer contacts, and is taken away
-after its block. Of what a line prints in `code`, targets of make, commands and options
-of the programs, and scripts are looked up, not run.
+A block of code (indented by four, or between ```) is a list of commands, run one by one from the root of COPY, unless a
+comment precedes it:
+  <!-- a study -->                    a study: written to fem/studies/printed.toml, planned, and its shape meshed
+  <!-- not run: REASON -->            no command of it is run
+  <!-- not run [BEGINNING]: REASON -->  commands that begin with BEGINNING are not run; the others are
+A word in CAPITALS stands for a file of the reader, which is in COPY/given. A study that `tissuectl new` writes gets
+fewer contacts, and is removed after its block. In `code` within a line, targets of make, commands, options and scripts
+are checked for existence, not run.
 """
 import os
 import re
@@ -17,13 +19,13 @@ import sys
 import time
 from pathlib import Path
 
-LONGEST = 150  # seconds for one command
+LONGEST = 150  # [s] limit of one command
 MARK = re.compile(r"<!-- (a study|not run(?: \[(?P<beginning>[^\]]+)\])?: (?P<reason>\S.*?)) -->$")
 FILE_HEADS = {"load", "history"}  # `tissuectl load path` is the first line of a file
 
 
 def blocks(text):
-    """(number of its first line, lines, marks) of every block of code."""
+    """Yields (number of the first line, lines, marks) of every block of code."""
     lines, marks, number = text.splitlines(), [], 0
     while number < len(lines):
         line = lines[number]
@@ -44,7 +46,7 @@ def blocks(text):
 
 
 def commands(begin, code):
-    """(line, command) with lines that end in a backslash put together."""
+    """Yields (line number, command). Lines that end in a backslash are joined."""
     whole, at = "", begin
     for number, line in enumerate(code, begin):
         at = at if whole else number
@@ -69,7 +71,8 @@ class Runner:
         sys.stdout.flush()
 
     def run(self, command):
-        """Nothing, or what went wrong. A server is left to run until it has printed its address."""
+        """Runs a command. Returns None, or the output with the failure. A server runs until it has printed its
+        address."""
         serves = re.search(r"\btissuectl serve\b", command)
         with open(self.copy / "said", "w+b") as said:
             process = subprocess.Popen(["bash", "-c", command], cwd=self.copy, env=self.environment, stdin=subprocess.DEVNULL, stdout=said,
@@ -96,7 +99,7 @@ class Runner:
         study.write_text(re.sub(r"^(spacing_m|angles_deg) = .*", lambda m: m[1] + (" = 0.04" if m[1] == "spacing_m" else " = [0]"), text, flags=re.M))
 
     def provide(self):
-        """Files of the reader's own, as each block begins with them."""
+        """Removes written studies and copies the reader's files, as every block begins with them."""
         for study in self.written:
             study.unlink(missing_ok=True)
         for file in (self.copy / "given").iterdir():
@@ -141,7 +144,7 @@ class Runner:
 
 
 class Words:
-    """What is looked up of commands within a line."""
+    """Checks that commands within a line of text exist."""
 
     def __init__(self, copy, root):
         self.copy, self.root = Path(copy), Path(root)
@@ -159,7 +162,7 @@ class Words:
         first = code.partition("&&")[0]
         try:
             words = shlex.split(first)
-        except ValueError:  # a quote of a sentence
+        except ValueError:  # an unbalanced quote, from the sentence
             words = first.split()
         words = [w for w in words if not re.match(r"[A-Z_]+=", w)]
         if not words:
@@ -193,7 +196,7 @@ class Words:
             trouble = self.trouble(code) if re.match(r"([A-Z_]+=\S+ )*(make|tissuectl|tissue-haptic|scripts/|build/release/)", code) else None
             if trouble:
                 found.append(f"{name}:{text[:match.start()].count(chr(10)) + 1}: `{code}`: {trouble}")
-        runner.check(f"{name}: commands, options, targets and scripts named in the text are there", "\n".join(found))
+        runner.check(f"{name}: commands, options, targets and scripts named in the text exist", "\n".join(found))
 
 
 def main():
@@ -203,7 +206,7 @@ def main():
         words.page(runner, page)
     for page in pages:
         runner.page(root, page)
-    print(f"# of {sum(runner.counts.values())} commands {runner.counts['ran']} were run, {runner.counts['not run']} are marked as not")
+    print(f"# of {sum(runner.counts.values())} commands {runner.counts['ran']} were run, {runner.counts['not run']} are marked as not run")
     sys.exit(runner.failures > 0)
 
 

@@ -1,7 +1,8 @@
-"""docs_links.py ROOT PAGE...: exit 0 when every relative link and picture of these pages leads to a file of ROOT, and a link to a heading
-to one that is there; else says which do not.
+"""docs_links.py ROOT PAGE...: exits 0 if every relative link and picture of these pages leads to a file of ROOT, and
+every link to a heading leads to an existing one. Otherwise prints the wrong links.
 
-A heading's name in links is GitHub's: lower case, blanks to dashes, other punctuation gone. Blocks of code have no links.
+A heading's name in links is GitHub's: lower case, dashes for blanks, no other punctuation. Blocks of code have no
+links.
 """
 import re
 import sys
@@ -9,7 +10,7 @@ from pathlib import Path
 
 
 def prose(text):
-    """Without blocks of code, fenced or indented, and without code within lines."""
+    """The text without blocks of code, fenced or indented, and without code within lines."""
     text = re.sub(r"^```.*?^```", "", text, flags=re.S | re.M)
     lines = (line for line in text.splitlines() if not line.startswith("    "))
     return "\n".join(re.sub(r"`[^`]*`", "", line) for line in lines)

@@ -1,12 +1,13 @@
-"""Words that documents do not use, each with what to write instead (lib/GLOSSARY.md): docs_words.py ROOT FILE...
+"""Finds words that documents must not use, each with its replacement (lib/GLOSSARY.md): docs_words.py ROOT FILE...
 
-Code, names between backticks, links' targets and generated tables are left out. One line for each word found; exit 1 if there is one.
+Code, names between backticks, link targets, quotations and generated tables are ignored. Prints one line per word
+found; exits 1 if there is one.
 """
 import re
 import sys
 from pathlib import Path
 
-WORDS = {  # pattern: what to write
+WORDS = {  # pattern: replacement
     r"\btruth\b": "FE reference",
     r"\bclosed[- ]loop (?:error|answer|force)s?\b": "indentation error, equilibrium; closed loop is of a hand in feedback",
     r"\bheld[- ]out\b": "test set",
@@ -27,7 +28,7 @@ WORDS = {  # pattern: what to write
 
 
 def prose(text):
-    """Lines of a document, each without what is no prose."""
+    """Lines of a document with their numbers, without code, links, comments and quotations."""
     generated = False
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith("<!-- begin "):

@@ -1,8 +1,10 @@
-"""exported.py WHAT EXPORT FILE [NAME]: exit 0 when an export holds what the HDF5 file it was made from does, else says where not.
+"""exported.py WHAT EXPORT FILE [NAME]: exits 0 if an export equals the HDF5 file that it was made from; otherwise
+prints the first difference.
 
-WHAT   cases-vtu (a .pvd and its .vtu, one VTK reader moved through the steps; NAME: the same with pyvista and meshio), model-vtu (read by VTK), sofa (NAME: its set), cases-csv, model-csv, numpy; of a law law-csv, law-numpy
-       (NAME: the folder of its CSV), whose energy is worked out anew, and law-vtu (NAME likewise); cases-vtu, cases-csv,
-       law-csv, law-numpy and law-vtu of tissue in space too
+WHAT   cases-vtu (a .pvd and its .vtu, read by one VTK reader that steps through them; with NAME by pyvista and meshio),
+       model-vtu (read by VTK), sofa (NAME: the set), cases-csv, model-csv, numpy; for an energy model law-csv and
+       law-numpy (NAME: the folder of its CSV), whose energy is computed again from the export, law-vtu and law-vtp
+       (NAME likewise). law-vtp is of tissue in space; all others but model-vtu, sofa and model-csv may be.
 """
 import csv
 import sys
@@ -22,11 +24,12 @@ def same(name, seen, wanted, tolerance=0.0):
     else:
         equal = np.abs(seen - wanted).max(initial=0) <= tolerance * np.abs(wanted).max(initial=0)
     if not equal:
-        sys.exit(f"{name}: differs from the file")
+        sys.exit(f"{name}: differs from the HDF5 file")
 
 
 class Grid:
-    """A .vtu as VTK reads it; with the reader of another one, which is moved on to it as ParaView does from step to step."""
+    """A .vtu read by VTK. With `reader`, the reader of another file is moved to this one, as ParaView does between
+    steps."""
 
     def __init__(self, file, reader=None):
         from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -36,7 +39,7 @@ class Grid:
         reader.SetFileName(str(file))
         reader.UpdateInformation()
         if reader.GetNumberOfTimeSteps():
-            sys.exit(f"{file}: has time steps of its own, which readers mix up")
+            sys.exit(f"{file}: has time steps of its own, which readers confuse with the collection's")
         reader.Update()
         grid = reader.GetOutput()
         if reader.GetErrorCode() or not grid.GetNumberOfPoints():
@@ -49,8 +52,8 @@ class Grid:
         self.grid, self.reader = grid, reader
 
     def hexahedra(self):
-        """Volume of each, and its smallest scaled Jacobian, as VTK numbers its corners: both negative where they run
-        the wrong way round."""
+        """Volumes and smallest scaled Jacobians in VTK's numbering of corners; both are negative where the numbering is
+        reversed."""
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 
@@ -74,14 +77,14 @@ def axes(before, after, dimension):
 
 
 def steps_of(collection):
-    """Of a .pvd: time and file of each step."""
+    """Time and file of each step of a .pvd."""
     root = ElementTree.parse(collection).getroot()
     same(f"{collection}: type", root.get("type"), "Collection")
     return [(float(step.get("timestep")), collection.parent / step.get("file")) for step in root.iter("DataSet")]
 
 
 def cases_vtu(export, h5, others=None):
-    names, reader = sorted(name for name in h5["paths"] if len(h5["paths"][name]["magnitude"])), None  # FE may have given one up at once
+    names, reader = sorted(name for name in h5["paths"] if len(h5["paths"][name]["magnitude"])), None  # a path may have no record
     same("files", sorted(file.stem for file in export.glob("*.pvd")), names)
     for name in names:
         path = h5["paths"][name]
@@ -91,14 +94,14 @@ def cases_vtu(export, h5, others=None):
         if others:
             other_readers(export / f"{name}.pvd", steps, rest, u, force)
             continue
-        for step in [*range(len(steps)), 0]:  # and back to the first
+        for step in [*range(len(steps)), 0]:  # and the first again
             grid = Grid(steps[step][1], reader)
             reader = grid.reader
             same(f"{name}: cells", sorted(grid.types), [10 if "shape/tetrahedra" in h5 else 9 if h5["nodes"].shape[1] == 2 else 12])
             if 12 in grid.types:
                 volume, jacobian = grid.hexahedra()
                 if min(volume.min(), jacobian.min()) <= 0:
-                    sys.exit(f"{name}: a cell is inside out")
+                    sys.exit(f"{name}: a cell is inverted")
                 if step == 0:
                     same(f"{name}: volume", volume.sum(), np.ptp(h5["nodes"][:], axis=0).prod(), 1e-9)
             same(f"{name}: magnitude", grid.field["magnitude_m"], path["magnitude"][step:step + 1])
@@ -110,7 +113,7 @@ def cases_vtu(export, h5, others=None):
 
 
 def other_readers(collection, steps, rest, u, force):
-    """pyvista's reader of collections, moved through the steps and back, and meshio's of each file."""
+    """Compares pyvista's reader of collections, moved through the steps and back, and meshio's reader of each file."""
     import meshio
     import pyvista
 
@@ -140,13 +143,13 @@ def model_vtu(export, h5):
         same(f"{name}: stiffness", grid.cells["stiffness_N_m"], h5[f"trained/{optimizer}/theta"][row])
         same(f"{name}: mass", grid.points["mass_kg"], h5["node_mass"][:])
         same(f"{name}: fixed", np.flatnonzero(grid.points["fixed"]), h5["mesh/fixed"][:])
-        # the contact is where it was pushed; everything else that is free carries no force, which K u says again
+        # The contact has the prescribed displacement, and K u vanishes at all other free nodes.
         u = grid.points["displacement_m"][:, :2]
         same(f"{name}: places", grid.places, in_space(nodes + u))
         contact = int(np.argmin(np.linalg.norm(nodes - h5["cases/contact"][row], axis=1)))
         same(f"{name}: contact", u[contact], h5["cases/magnitude"][row] * h5["cases/direction"][row], 1e-12)
         i, j = h5["mesh/springs"][:].T
-        pull = h5[f"trained/{optimizer}/theta"][row][:, None] * (u[i] - u[j])  # the law is isotropic
+        pull = h5[f"trained/{optimizer}/theta"][row][:, None] * (u[i] - u[j])  # the spring law is isotropic
         force = np.zeros_like(u)
         np.add.at(force, i, pull)
         np.add.at(force, j, -pull)
@@ -168,7 +171,7 @@ def sofa(export, h5, name):
     springs = numbers("SpringForceField", "spring").reshape(-1, 5)
     same("springs", springs[:, :2], h5["mesh/springs"][:])
     same("stiffness", springs[:, 2], theta)
-    same("damping and length", springs[:, 3:], np.zeros((len(theta), 2)))  # isotropic: springs of no length
+    same("damping and length", springs[:, 3:], np.zeros((len(theta), 2)))  # isotropic: springs of zero length
     plugins = {plugin.get("name") for plugin in scene.iter("RequiredPlugin")}
     if "Sofa.Component.SolidMechanics.Spring" not in plugins:
         sys.exit("the plugin of SpringForceField is not required")
@@ -212,7 +215,8 @@ def model_csv(export, h5):
 
 
 def stored(length, rest, curve, dimension):
-    """What springs store per unit of their stiffness, as results/FORMATS.md has it. curve: C2's share and the two places where it goes straight on, None of Hooke's."""
+    """Energy of springs per unit of stiffness (results/FORMATS.md). curve: C2's share and the two stretches beyond
+    which the force is linear; None for Hooke's springs."""
     if curve is None:
         return (length - rest)**2 / 2
     q, low, high = curve
@@ -230,10 +234,10 @@ def curve_names(h5):
 
 
 def curve_of(h5, file):
-    """The curve as exported, which is the file's; None of Hooke's, which have no file."""
+    """The exported curve, compared with the HDF5 file; None for Hooke's springs, which have no curve file."""
     if "c2_share" not in h5["law"].attrs:
         if file.exists():
-            sys.exit(f"{file}: is of Hooke's springs")
+            sys.exit(f"{file}: the springs are Hooke's")
         return None
     if file.suffix == ".npy":
         share, *straight = np.load(file)
@@ -244,7 +248,7 @@ def curve_of(h5, file):
 
 
 class Law:
-    """A law's energy as results/FORMATS.md writes it down, out of exported arrays alone."""
+    """Energy of an energy model in the plane (results/FORMATS.md), computed from exported arrays alone."""
 
     def __init__(self, curve, nodes, springs, theta, edges, rest_area, stiffness, patch_log, surface_node, surface_arc, log_scale):
         self.nodes, self.springs, self.theta, self.edges = nodes, springs.astype(int), theta, edges.astype(int)
@@ -269,7 +273,7 @@ class Law:
         return springs.sum() + (self.stiffness * self.rest_area * swelling**2).sum() / 2
 
     def contact(self, s, d, u):
-        """Energy between the tissue and a tool that holds the contact at arc length s, pushed by d."""
+        """Energy between the tissue and a tool at arc length s with the tool displacement d."""
         def spline(f):
             g = 1 - f
             return (np.array([g**3, 4 - 6 * f**2 + 3 * f**3, 4 - 6 * g**2 + 3 * g**3, f**3]) / 6,
@@ -293,7 +297,7 @@ class Law:
 
     @staticmethod
     def slope(function, x, h=1e-30):
-        """By complex steps: no cancellation, no derivative written down."""
+        """Derivative by complex steps, without cancellation."""
         out = np.zeros(x.shape)
         for at in np.ndindex(x.shape):
             moved = x.astype(complex)
@@ -302,24 +306,25 @@ class Law:
         return out
 
     def check(self, fixed, name, s, d, u, tissue_force, hand_force):
-        """The state is the energy's own: its forces, the hand's, and nothing left over where nodes are free."""
+        """Compares the forces of tissue and tool with derivatives of the energy, and checks equilibrium of free
+        nodes."""
         force, size = self.slope(self.energy, u), np.linalg.norm(hand_force)
         same(f"{name}: force of the tissue", force, tissue_force, 1e-9)
-        same(f"{name}: force of the hand", self.slope(lambda push: self.contact(s, push, u), d), hand_force, 1e-9)
+        same(f"{name}: force of the tool", self.slope(lambda push: self.contact(s, push, u), d), hand_force, 1e-9)
         left = force + self.slope(lambda v: self.contact(s, d, v), u)
         if np.abs(np.delete(left, fixed, axis=0)).max() > 1e-9 * size:
             sys.exit(f"{name}: is not in equilibrium")
 
 
 class SolidLaw:
-    """The same in space: energies element by element, so that complex steps take few of them."""
+    """Energy of an energy model in space, element by element, so that complex steps evaluate few elements."""
 
     def __init__(self, curve, nodes, springs, theta, cells, at, volume, stiffness, contacts, held):
-        """contacts: of each case k (R), push (R x 3), row (Q), node (Q), pull (Q x 3), hardening. held: k (M), and of each held
-        node the lattice's nodes that move it (M x 8) and their weights."""
+        """contacts: k (R), push (R x 3), row (Q), node (Q), pull (Q x 3) and hardening of each case. held: stiffness k
+        (M) of each support, and the lattice nodes that move its node (M x 8) with their weights."""
         self.curve, self.nodes, self.springs, self.theta = curve, nodes, springs.astype(int), theta
         self.cells, self.volume, self.stiffness, self.contacts, self.held = cells.astype(int), volume, stiffness, contacts, held
-        self.side = np.ones((len(at), 8, 3))  # of each corner in the gradient along each axis
+        self.side = np.ones((len(at), 8, 3))  # weight of each corner in the mean edge along each axis
         for corner in range(8):
             for axis in range(3):
                 for other in range(3):
@@ -327,7 +332,7 @@ class SolidLaw:
                     self.side[:, corner, axis] *= (1 if far else -1) if other == axis else at[:, other] if far else 1 - at[:, other]
 
     def volumes(self, x):
-        """Of cells with corners x (C x 8 x 3): the determinant of the means of their edges."""
+        """Volumes of cells with corners x (C x 8 x 3): the determinant of their mean edges."""
         a, b, c = np.einsum("cki,ckj->jci", x, self.side)
         return (np.cross(a, b) * c).sum(axis=1)
 
@@ -353,18 +358,18 @@ class SolidLaw:
         return total
 
     def contact(self, name, d, u):
-        """Energy between the tissue and the disc, pushed by d at the case's place."""
+        """Energy between the tissue and the disc at the case's contact, with the tool displacement d."""
         k, push, row, node, pull, hardening = self.contacts[name]
         e = push @ d - np.bincount(row, (pull * u[node].real).sum(axis=1), len(k)) \
             - 1j * np.bincount(row, (pull * u[node].imag).sum(axis=1), len(k))
-        s = (k * e**2)[:3].sum() / 2
-        harder, saturation, coupling = hardening
-        return (k * e**2).sum() / 2 + harder * s**2 / (2 * (1 + saturation * s)) + coupling * e[0] * (e[1]**2 + e[2]**2) / 2
+        harder, saturation, coupling, in_compression = hardening
+        s = (k * e**2)[:3].sum() / 2 if not in_compression else (k * e**2)[0] / 2 if e[0].real > 0 else 0
+        return (k * e**2).sum() / 2 + harder * s**2 / (2 * (1 + saturation * s)) + coupling * (e[0] / (1 - 2 * coupling / k[1] * e[0]) if in_compression and e[0].real < 0 else e[0]) * (e[1]**2 + e[2]**2) / 2
 
     def check(self, fixed, name, _, d, u, tissue_force, hand_force):
         force, size = self.force(u), np.linalg.norm(hand_force)
         same(f"{name}: force of the tissue", force, tissue_force, 1e-9)
-        same(f"{name}: force of the hand", Law.slope(lambda push: self.contact(name, push, u), d), hand_force, 1e-9)
+        same(f"{name}: force of the tool", Law.slope(lambda push: self.contact(name, push, u), d), hand_force, 1e-9)
         left = force + Law.slope(lambda v: self.contact(name, d, v), u)
         if np.abs(np.delete(left, fixed, axis=0)).max() > 1e-9 * size:
             sys.exit(f"{name}: is not in equilibrium")
@@ -390,11 +395,11 @@ def solid_law_csv(export, h5):
     supports, inside = table(export / "supports.csv"), table(export / "embedding.csv")
     fixed = column(supports, "node")[:, 0].astype(int)
     corner, weight = column(inside, *corners).astype(int), column(inside, *(name.replace("node", "weight") for name in corners))
-    same("held nodes", fixed, h5["mesh/fixed"][:])
+    same("fixed nodes", fixed, h5["mesh/fixed"][:])
     same("tissue in cells", column(read["cells"], "rest_volume_m3")[:, 0], h5["mesh/lattice/fraction"][:] * h5["mesh/lattice"].attrs["spacing_m"]**3, 1e-12)
     same("supports", column(supports, "stiffness_N_m")[:, 0], constants[S + len(cells):])
     for press in presses_of(export):
-        same("what moves the solid's own nodes", np.einsum("nk,nki->ni", weight, press[3][corner]), press[3][:len(corner)], 1e-12)
+        same("displacement of the solid's nodes", np.einsum("nk,nki->ni", weight, press[3][corner]), press[3][:len(corner)], 1e-12)
     same("nodes", column(read["nodes"], "x_m", "y_m", "z_m"), h5["mesh/nodes"][:])
     same("springs", column(read["springs"], "node_i", "node_j"), h5["mesh/springs"][:])
     same("tetrahedra", column(read["tetrahedra"], "node_i", "node_j", "node_k", "node_l"), h5["mesh/tetrahedra"][:])
@@ -408,12 +413,12 @@ def solid_law_csv(export, h5):
     own = column(corrections, "radius_m")[:, 0] == h5["law"].attrs["disc_radius_m"]
     corrections = [row for row, mine in zip(corrections, own) if mine]
     same("correction", column(corrections, "log_scale")[:, 0], correction.reshape(-1))
-    same("its facets", column(corrections, "facet")[:, 0], np.repeat(np.arange(len(correction)), correction.shape[1]))
-    same("its corners", column(corrections, "weight_i", "weight_j", "weight_k").sum(axis=1), np.ones(correction.size), 1e-12)
+    same("facets of the correction", column(corrections, "facet")[:, 0], np.repeat(np.arange(len(correction)), correction.shape[1]))
+    same("weights of the correction", column(corrections, "weight_i", "weight_j", "weight_k").sum(axis=1), np.ones(correction.size), 1e-12)
     del read["contact"][7:]
     same("rows", [row["row"] for row in read["contact"]], ["normal", "tangent", "imprint_normal", "imprint_tangent", "hardening", "saturation", "coupling"])
     same("contact", column(read["contact"], "log_k_N_m", "curved", "ground", "edge"), h5["law/patch_log"][:])
-    hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2")] for row in read["contact_hardening"]}
+    hardening = {row["case"]: [float(row[c]) for c in ("hardening_1_J", "saturation_1_J", "coupling_N_m2", "in_compression")] for row in read["contact_hardening"]}
     case = np.array([names.index(row["case"]) for row in read["contact_rows"]])
     law = SolidLaw(curve_of(h5, export / "spring_curve.csv"), column(read["nodes"], "x_m", "y_m", "z_m"), column(read["springs"], "node_i", "node_j"),
                    column(read["springs"], "stiffness_N_m")[:, 0], cells, column(read["cells"], "at_x", "at_y", "at_z"),
@@ -429,7 +434,7 @@ def solid_law_csv(export, h5):
 
 
 def contacts_of(names, case, k, push, pull_row, pull_node, pull, hardening):
-    """The rows of all cases, by case."""
+    """The contact rows of each case, by its name."""
     contacts = {}
     for c, name in enumerate(names):
         rows = np.flatnonzero(case == c)
@@ -502,17 +507,18 @@ def law_vtu(export, h5, csv_export):
             volume, jacobian = grid.hexahedra()
             cells = len(h5["mesh/lattice/cubes"])
             same(f"{name}: stiffness of cells", grid.cells["stiffness_Pa"][S:], h5["law/constants"][S:S + cells])
-            same(f"{name}: a cell each", len(volume), cells)
-            same(f"{name}: its corners", grid.nodes[2 * S:].reshape(-1, 8), h5["mesh/lattice/cubes"][:][:, [0, 1, 3, 2, 4, 5, 7, 6]])
+            same(f"{name}: number of cells", len(volume), cells)
+            same(f"{name}: corners of cells", grid.nodes[2 * S:].reshape(-1, 8), h5["mesh/lattice/cubes"][:][:, [0, 1, 3, 2, 4, 5, 7, 6]])
             if min(volume.min(), jacobian.min()) <= 0:
-                sys.exit(f"{name}: a cell is inside out")
+                sys.exit(f"{name}: a cell is inverted")
         same(f"{name}: displacement", grid.points["displacement_m"], in_space(u))
         same(f"{name}: force", grid.points["force_N"], in_space(force))
         same(f"{name}: places", grid.places, in_space(nodes + u))
 
 
 def law_vtp(export, h5, csv_export):
-    """The surface as it is seen: under the disc phi(r) times the push, beyond 2.5 radii the lattice's displacement (springs/skin.h)."""
+    """The displayed surface: phi(r) times the tool displacement under the disc, the lattice's displacement beyond 2.5
+    radii (springs/skin.h)."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
@@ -550,7 +556,7 @@ def numpy_files(export, h5, more=()):
         elif seen.dtype != wanted.dtype:
             sys.exit(f"{name}: {seen.dtype}, wanted {wanted.dtype}")
         if wanted.dtype.kind == "f" and seen.tobytes() == wanted.tobytes():
-            continue  # NaN too
+            continue  # also for NaN
         same(name, seen, wanted)
 
 

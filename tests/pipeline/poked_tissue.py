@@ -1,5 +1,6 @@
-"""poked_tissue.py MEASURED POKES: two CSV of measured contacts, on a tissue of 50 N/m along the normal and 30 N/m across it, all round; and on a patient of half as
-much again on its left half."""
+"""poked_tissue.py MEASURED POKES: writes two CSV files of synthetic measured contacts. MEASURED: a tissue with 50 N/m
+along the normal and 30 N/m across it at every contact. POKES: a target tissue that is 1.5 times as stiff in its left
+half."""
 import sys
 header = "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN]"
 def rows(factor, shift):

@@ -1,6 +1,7 @@
-"""report_contents.py WHAT RESULTS: exit 0 when RESULTS/report.html holds what it should.
+"""report_contents.py WHAT RESULTS: exits 0 if RESULTS/report.html passes the check WHAT.
 
-WHAT-sentence prints the sentence. It reads the page as HTML, without a browser and without the code that wrote it.
+WHAT-sentence prints the sentence of the check. The page is read as HTML, without a browser and without the code that
+wrote it.
 """
 import base64
 import html.parser
@@ -10,17 +11,17 @@ import sys
 from pathlib import Path
 
 SENTENCES = {
-    "self-contained": "nothing outside the file is needed to look at it",
-    "figures": "every figure of report.md is inside, byte for byte",
-    "number": "it leads with the learned springs' median error as eval.json has it",
-    "tables": "every number of report.md's tables is in a cell of its own",
-    "provenance": "its foot says command, version, seed and hashes of the inputs",
+    "self-contained": "it refers to no other file or address",
+    "figures": "it contains every figure of report.md, byte for byte",
+    "number": "its main number, before the first table, is the learned springs' median nodal-force error in eval.json",
+    "tables": "every number of report.md's tables has its own cell",
+    "provenance": "its footer contains command, version, seed and hashes of the inputs",
 }
 REFERENCES = {"src", "href", "srcset", "data", "action", "poster", "xlink:href"}
 
 
 class Page(html.parser.HTMLParser):
-    """References, images in order, and the text in each element of a class, tag or id."""
+    """References, images in order, and the text by class, tag or id of its elements."""
 
     def __init__(self, text):
         super().__init__()
@@ -66,7 +67,7 @@ def figures(page, text, results):
 def number(page, text, results):
     median = json.loads((results / "eval.json").read_text())["open_loop"]["learned"]["rel_loss"]["median"]
     assert page.words["number"] == f"{100 * median:.1f} %", page.words["number"]
-    assert text.index('class="number"') < text.index("<table"), "not at the head"
+    assert text.index('class="number"') < text.index("<table"), "the number is not before the first table"
 
 
 def tables(page, text, results):
@@ -76,7 +77,7 @@ def tables(page, text, results):
     cells = [cell.replace("\u00a0", " ") for cell in page.words["cells"]]
     for wanted in (v for v in values if re.match(r"^\d+\.\d+", v)):
         assert cells.count(wanted) >= values.count(wanted), f"{wanted}: {cells.count(wanted)} of {values.count(wanted)}"
-    assert not [c for c in cells if " / " in c], "a cell with several numbers"
+    assert not [c for c in cells if " / " in c], "a cell contains several numbers"
 
 
 def provenance(page, text, results):

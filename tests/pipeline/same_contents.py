@@ -1,6 +1,7 @@
-"""same_contents.py RESULTS RESULTS: exit 0 when two result folders hold the same numbers, else says where they differ.
+"""same_contents.py RESULTS RESULTS: exits 0 if two result folders have the same numbers; otherwise prints where they
+differ.
 
-Every dataset bit for bit, every load path byte for byte, every number of eval.json but those of time.
+Compares every dataset bit by bit, every load path byte by byte, and eval.json without its wall times and hashes.
 """
 import json
 import sys
@@ -9,7 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-NOT_COMPARED = {"seconds", "model_hash", "cases_hash"}   # of files that hold wall times
+NOT_COMPARED = {"seconds", "model_hash", "cases_hash"}   # wall times, and hashes of files that contain wall times
 
 
 def datasets(file):

@@ -1,6 +1,6 @@
 #!/bin/sh
-# What make builds anew, and what it leaves: flags, sources that come and go, the page; and two makes at once in one
-# clone. The copy's sources are a few lines each, around the real program, so that compiling costs nothing.
+# What make rebuilds after a change of flags, sources or the page; and two simultaneous makes in one clone. The copy's
+# sources are a few lines each, around the real program, so compilation is fast.
 . "$(dirname "$0")/common"
 make_copy
 export REAL_TISSUECTL="$TISSUECTL"
@@ -33,10 +33,10 @@ names() { grep '^c++' "$said" | sed 's/^c++ *//' | sort | tr '\n' ' ' | sed 's/ 
 compiled_are() { [ "$(names)" = "$1" ] || { cat "$said"; return 1; }; }
 program=build/release/tissuectl
 
-# ---- two makes at once, with nothing built
+# ---- two simultaneous makes, before anything is built
 cat >"$scratch/slow" <<'SH'
 #!/bin/sh
-# slow COMMAND...: takes its time, and says so when another one is at the same output
+# slow COMMAND...: runs the command slowly, and notes an output that another command is writing at the same time
 out= last=
 for word; do
     case $last in -o | -out) out=$word ;; esac
@@ -57,7 +57,7 @@ for tool in FreeFem++-nw g++; do
 done
 chmod +x "$scratch/slow" "$scratch/bin/FreeFem++-nw" "$scratch/bin/g++"
 sed 's/seed = 2008/seed = 2009/' fem/studies/tiny.toml >fem/studies/other.toml
-both() { # STUDY STUDY: two makes at once; exit statuses in $one and $two
+both() { # STUDY STUDY: two simultaneous makes; exit statuses in $one and $two
     PATH="$scratch/bin:$PATH" make PYTHON="$PYTHON" STUDY="$1" all -j2 >"$scratch/one.said" 2>&1 </dev/null &
     PATH="$scratch/bin:$PATH" make PYTHON="$PYTHON" STUDY="$2" all -j2 >"$scratch/two.said" 2>&1 </dev/null
     two=$?
@@ -67,91 +67,91 @@ both() { # STUDY STUDY: two makes at once; exit statuses in $one and $two
 both_well() { [ "$one $two" = "0 0" ] || { echo "exit statuses $one $two"; cat "$scratch/one.said" "$scratch/two.said"; return 1; }; }
 unmixed() { [ ! -e "$scratch/mixed" ] || { sort "$scratch/mixed" | uniq -c; return 1; }; }
 both tiny other
-check "two makes of two studies at once, with nothing built: both succeed" both_well
-check "two makes of two studies at once: no two writers of one file" unmixed
-check "two makes of two studies at once: nothing half-written is left" no_half_files "$work"
+check "simultaneous makes of two studies, before anything is built: both succeed" both_well
+check "simultaneous makes of two studies: no file has two writers at once" unmixed
+check "simultaneous makes of two studies: no incomplete file is left" no_half_files "$work"
 make_tiny all -q
-check "two makes of two studies at once: nothing is left to do" exited 0
+check "simultaneous makes of two studies: make all is up to date" exited 0
 cp -pR "$R" "$scratch/first"
 rm -rf "$R" results/other
 both tiny tiny
-check "two makes of one study at once: both succeed" both_well
-check "two makes of one study at once: no two writers of one file" unmixed
-check "two makes of one study at once: the contents are those of one make" same_contents "$R" "$scratch/first"
-check "two makes of one study at once: nothing half-written is left" no_half_files "$work"
+check "simultaneous makes of one study: both succeed" both_well
+check "simultaneous makes of one study: no file has two writers at once" unmixed
+check "simultaneous makes of one study: the results are those of one make" same_contents "$R" "$scratch/first"
+check "simultaneous makes of one study: no incomplete file is left" no_half_files "$work"
 
-# ---- only what a stage uses is its prerequisite
+# ---- the prerequisites of a stage are only the sources that it uses
 make_tiny all
 make_tiny all -q
-check "a second make all has nothing to do" exited 0
+check "make all is up to date after make all" exited 0
 snapshot "$R" >"$scratch/before"
 cp -p $program "$scratch/program"
-again() { # SENTENCE RESULTS COMPILED: make after an edit
+again() { # SENTENCE RESULTS COMPILED: make eval after an edit
     make_tiny eval
     check "$1: exit 0" exited 0
-    check "$1: compiles what was edited" compiled_are "$3"
-    check "$1: makes anew what uses it, and no more" only_changed "$scratch/before" "$R" "$2"
+    check "$1: only the edited file is compiled" compiled_are "$3"
+    check "$1: only results that depend on it are made again" only_changed "$scratch/before" "$R" "$2"
     make_tiny eval -q
-    check "$1: once" exited 0
+    check "$1: make eval is then up to date" exited 0
     snapshot "$R" >"$scratch/before"
 }
 echo '#page { color: blue }' >cli/view/page.css
 again "an edit of the page" "plan.mk" cli/serve/page.cpp
-check "an edit of the page is in the program" sh -c '! cmp -s "$0" "$1"' $program "$scratch/program"
+check "an edit of the page changes the program" sh -c '! cmp -s "$0" "$1"' $program "$scratch/program"
 echo 'extern const char page[]; int serve() { return page[1]; }' >cli/serve/server.cpp
 again "an edit of the page's server" "plan.mk" cli/serve/server.cpp
 echo 'int tick() { return 7; }' >lib/haptic/tick.cpp
-again "an edit of the tick" "plan.mk" lib/haptic/tick.cpp
+again "an edit of the haptic tick" "plan.mk" lib/haptic/tick.cpp
 sed -i '1s|^|// the same, said better\n|' lib/train/train.cpp
 again "a comment in the training" "plan.mk" lib/train/train.cpp
 echo 'int file(); int train() { return file() + 8; }' >lib/train/train.cpp
 again "an edit of the training" "eval.json model.h5 plan.mk report.md" lib/train/train.cpp
 echo 'int shared() { return 9; }' >cli/command.cpp
-again "an edit of what commands share" "eval.json model.h5 plan.mk report.md" cli/command.cpp
+again "an edit of code that all commands use" "eval.json model.h5 plan.mk report.md" cli/command.cpp
 echo 'int file(); int collect() { return file() + 10; }' >lib/train/collect.cpp
-again "an edit of the collecting" "cases.h5 eval.json model.h5 plan.mk report.md" lib/train/collect.cpp
+again "an edit of collect" "cases.h5 eval.json model.h5 plan.mk report.md" lib/train/collect.cpp
 echo 'int file(); int add_eval() { return file() + 11; }' >cli/cmd_eval.cpp
 again "an edit of the evaluation" "eval.json plan.mk report.md" cli/cmd_eval.cpp
 
-# ---- sources that come and go
+# ---- sources that are added and deleted
 rm lib/train/old.cpp
 run make build/release/libtissue.a
-check "a source that is deleted leaves the archive, and the others stay" \
+check "a deleted source is removed from the archive, and no other" \
     test "$(ar t build/release/libtissue.a | sort | tr '\n' ' ')" = "collect.o file.o tick.o train.o "
 echo 'int fresh() { return 1; }' >lib/train/fresh.cpp
 run make build/release/libtissue.a
-check "a new one is compiled, and it alone" compiled_are lib/train/fresh.cpp
-check "it is in the archive" sh -c 'ar t build/release/libtissue.a | grep -qx fresh.o'
+check "a new source is compiled, and no other" compiled_are lib/train/fresh.cpp
+check "a new source is in the archive" sh -c 'ar t build/release/libtissue.a | grep -qx fresh.o'
 echo 'struct Greeting { Greeting(); }; Greeting::Greeting() {} Greeting greeting;' >cli/greeting.cpp
 run make $program
 rm cli/greeting.cpp
 run make -q $program
-check "a deleted file of the program itself: there is something to do" exited 1
+check "a deleted source of the program: make has work to do" exited 1
 run make $program
-check "a deleted file of the program itself: the program is linked without it" sh -c '! nm -C "$0" | grep -q Greeting' $program
+check "a deleted source of the program: the program is linked without it" sh -c '! nm -C "$0" | grep -q Greeting' $program
 run make -q $program
-check "and then there is nothing to do" exited 0
+check "a deleted source of the program: make is then up to date" exited 0
 
 # ---- flags
 run make -q $program CXX='ccache g++'
-check "through ccache or not is the same program" exited 0
+check "a program built without ccache is up to date with ccache" exited 0
 all=$(find lib cli -name '*.cpp' | wc -l)
 sed -i 's/^\(CXXFLAGS.*\)-O3/\1-O2/' Makefile
 run make -n $program
-check "other flags: every object is to be compiled anew" test "$(grep -c '^echo "c++' "$said")" = "$all"
+check "other flags: make -n compiles every object" test "$(grep -c '^echo "c++' "$said")" = "$all"
 run make $program
-check "other flags: so it is" test "$(grep -c '^c++' "$said")" = "$all"
+check "other flags: make compiles every object" test "$(grep -c '^c++' "$said")" = "$all"
 run make -q $program
-check "other flags: once" exited 0
+check "other flags: make is then up to date" exited 0
 sed -i 's/^\(PACKAGES.*\) gsl/\1/' Makefile
 run make -q $program
-check "another library: there is something to do" exited 1
+check "another list of libraries: make has work to do" exited 1
 
-# ---- the programs under test themselves: what a broken stack or buffer meets
-hardened() { # FILE: resolved at its start, stack and buffers guarded, at no fixed address
+# ---- hardening of the programs under test
+hardened() { # FILE: BIND_NOW, position independent, RELRO, stack protector, _FORTIFY_SOURCE
     readelf -dW "$1" | grep -q 'FLAGS.*NOW' || { echo "$1: symbols are bound late"; return 1; }
-    readelf -hW "$1" | grep -q 'Type: *DYN' || { echo "$1: stands at a fixed address"; return 1; }
-    readelf -lW "$1" | grep -q 'GNU_RELRO' || { echo "$1: its tables stay writable"; return 1; }
+    readelf -hW "$1" | grep -q 'Type: *DYN' || { echo "$1: is not position independent"; return 1; }
+    readelf -lW "$1" | grep -q 'GNU_RELRO' || { echo "$1: no RELRO"; return 1; }
     readelf -W --dyn-syms "$1" | grep -q '__stack_chk_fail' || { echo "$1: no stack protector"; return 1; }
     readelf -W --dyn-syms "$1" | grep -q '_chk@' || { echo "$1: no _FORTIFY_SOURCE"; return 1; }
 }

@@ -1,13 +1,13 @@
 #!/bin/sh
-# A read-only results folder and a full disk: one clear line, a non-zero exit, nothing that looks finished.
+# A read-only results folder and a full disk: one line, a non-zero exit status, and no file that looks finished.
 . "$(dirname "$0")/common"
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 make_copy
 make_tiny figures -j2
-check "the study is solved to begin with" exited 0
+check "make figures solves the study" exited 0
 cp -pR "$R" "$scratch/whole"
 
-# STAGE for the program or script that writes FILE
+# stage FILE: runs the program or script that writes FILE
 stage() {
     case $1 in
         plan.mk) set -- build/release/tissuectl plan --study fem/studies/tiny.toml --out results/tiny/plan.mk ;;
@@ -26,11 +26,11 @@ stage() {
 failed_well() { [ "$status" = 1 ] || [ "$status" = 2 ] || { echo "exit status $status"; cat "$said"; return 1; }; }
 files="plan.mk mesh.msh cases/left.csv cases.h5 model.h5 eval.json figures/force.png"
 
-# ---- a machine that loses power: content is on the disk before its name
+# ---- loss of power: content is forced to the disk before a file gets its name
 mkdir "$scratch/bin"
 cat >"$scratch/bin/sync" <<'SH'
 #!/bin/sh
-# says what it is to force, and whether that has its name already
+# notes each file that is forced to the disk before it has its name
 for file; do
     made=${file%.tmp}
     made=${made%.raw}
@@ -43,13 +43,13 @@ export FORCED="$scratch/forced"
 forced() { printf '%s\n' "$@" | cmp - "$FORCED"; }
 rm "$R/mesh.msh" "$R/cases/left.csv"
 run env PATH="$scratch/bin:$PATH" make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
-check "mesh and path are made again" exited 0
-check "what gmsh and FreeFEM wrote is on the disk before it has its name" forced mesh.msh left.csv
+check "make solves mesh and load path again" exited 0
+check "files of gmsh and FreeFEM are forced to the disk before they get their names" forced mesh.msh left.csv
 rm "$R/cases/left.csv"
 run env DISK_FAILS=1 PATH="$scratch/bin:$PATH" make PYTHON="$PYTHON" STUDY=tiny results/tiny/cases/left.csv
-check "a path that the disk does not keep gets no name" absent "$R/cases/left.csv"
-check "and one line says so" one_line "left.csv"
-check "what Python draws is on the disk before it has its name" "$PYTHON" -c "import os, sys
+check "a load path whose sync fails gets no name" absent "$R/cases/left.csv"
+check "a load path whose sync fails: one line names it" one_line "left.csv"
+check "a file written by Python is forced to the disk before it gets its name" "$PYTHON" -c "import os, sys
 sys.path.insert(0, 'scripts/figures')
 import save
 seen = []
@@ -57,7 +57,7 @@ os.fsync = lambda descriptor: seen.append((os.fstat(descriptor).st_size, os.path
 with save.written(sys.argv[1]) as beside:
     open(beside, 'w').write('whole')
 assert seen == [(5, False)], seen" "$scratch/drawn"
-check "a link planted beside what Python draws is not followed; what was left beside goes, what is being made stays" "$PYTHON" -c "import os, sys
+check "Python follows no planted link, removes leftovers of its own, and keeps other files beside its output" "$PYTHON" -c "import os, sys
 sys.path.insert(0, 'scripts/figures')
 import save
 folder = sys.argv[1]
@@ -76,7 +76,7 @@ with save.written(out) as first:
 assert open(own).read() == 'precious' and open(out).read() == 'first'
 assert sorted(os.listdir(folder)) == ['a.png', 'a.png.20251125.tmp', 'a.png.tissue-0123abcd.tmp', 'a.png.tmp', 'own'], os.listdir(folder)
 assert os.stat(out).st_mode & 0o777 == 0o664, oct(os.stat(out).st_mode)" "$scratch/planted"
-check "what the system refuses names the file that was asked for, and no drawn one" "$PYTHON" -c "import os, sys
+check "an error of the system names the requested file, and no temporary file is left" "$PYTHON" -c "import os, sys
 sys.path.insert(0, 'scripts/figures')
 import save
 out = sys.argv[1] + '/a.png'
@@ -88,7 +88,7 @@ except OSError as error:
     assert error.filename == out and os.listdir(sys.argv[1]) == ['a.png'], (error, os.listdir(sys.argv[1]))
 else:
     sys.exit('a folder was replaced')" "$scratch/in_place"
-check "a link that takes the place of what Python draws gets nothing, and nothing is drawn" "$PYTHON" -c "import os, sys
+check "a link that replaces Python's temporary file is refused, and nothing is written through it" "$PYTHON" -c "import os, sys
 sys.path.insert(0, 'scripts/figures')
 import save
 folder = sys.argv[1]
@@ -108,7 +108,7 @@ else:
 assert open(own).read() == 'precious' and os.listdir(folder) == ['own'], os.listdir(folder)" "$scratch/swapped"
 cp -p "$scratch/whole/cases/left.csv" "$R/cases"
 
-# ---- read only: root may write anywhere, so the stages run as nobody then
+# ---- read-only results: root may write anywhere, so root runs the stages as user nobody
 as_someone=
 if [ "$(id -u)" = 0 ]; then
     export HOME=/
@@ -118,16 +118,16 @@ else
     chmod -R a-w "$R"
 fi
 if $as_someone true 2>/dev/null; then
-    touch "$work/fem/block.geo" "$work/scripts/solve_path"  # mesh and paths are to be made again
+    touch "$work/fem/block.geo" "$work/scripts/solve_path"  # mesh and load paths must be made again
     snapshot "$R" >"$scratch/before"
     for target in $files; do
         stage "$target"
-        check "read-only results: making $target fails with 1, or make's 2" failed_well
-        check "read-only results: one line says that $target cannot be written" one_line "$target\|results/tiny"
+        check "read-only results: making $target fails with exit status 1, or 2 of make" failed_well
+        check "read-only results: one line names $target or its folder" one_line "$target\|results/tiny"
     done
-    check "read-only results are untouched" only_changed "$scratch/before" "$R" ""
+    check "read-only results are unchanged" only_changed "$scratch/before" "$R" ""
 else
-    skip "read-only results" "neither root nor able to give rights up"
+    skip "read-only results" "neither root nor able to drop privileges"
 fi
 as_someone=
 [ "$(id -u)" = 0 ] || chmod -R u+w "$R"
@@ -143,28 +143,28 @@ if [ "$(id -u)" = 0 ] && mount -t tmpfs -o size=8m tissue_test "$R" 2>/dev/null;
         rm -f "$R/$target" "$R/plan/path-top"
         [ "$target" = eval.json ] && rm -f "$R/report.md"
         [ "$target" = cases/left.csv ] && rm -f "$R/cases/left.log"
-        cat /dev/zero >"$R/filler" 2>/dev/null  # until nothing is left
+        cat /dev/zero >"$R/filler" 2>/dev/null  # until the disk is full
         stage "$target"
-        check "full disk: making $target fails with 1, or make's 2" failed_well
-        check "full disk: one line says that $target cannot be written" one_line "$target\|results/tiny"
-        check "full disk: there is no $target" absent "$R/$target"
-        check "full disk: making $target leaves nothing half-written" no_half_files "$R"
+        check "full disk: making $target fails with exit status 1, or 2 of make" failed_well
+        check "full disk: one line names $target or its folder" one_line "$target\|results/tiny"
+        check "full disk: $target is not written" absent "$R/$target"
+        check "full disk: making $target leaves no incomplete file" no_half_files "$R"
         rm "$R/filler"
-        if [ "$target" = eval.json ]; then check "full disk: there is no report either" absent "$R/report.md"; fi
+        if [ "$target" = eval.json ]; then check "full disk: no report is written" absent "$R/report.md"; fi
     done
     rm -rf "$R"/*
     cp -pR "$scratch/whole/." "$R"
     cat /dev/zero >"$R/filler" 2>/dev/null
-    truncate -s -100K "$R/filler"  # room to begin with
+    truncate -s -100K "$R/filler"  # space for the beginning of the recording
     run "$TISSUE_HAPTIC" results/tiny/model.h5 --seconds 2 --record results/tiny/r.h5
-    check "full disk: a recording ends with 1" exited 1
-    check "full disk: one line, and none of HDF5's, says that it cannot be written" sh -c '[ "$(grep -c "r.h5: " "$1")" = 1 ] && [ "$(wc -l <"$1")" -lt 40 ]' - "$said"
-    check "full disk: nothing of the recording is left" no_half_files "$R"
+    check "full disk: a recording ends with exit status 1" exited 1
+    check "full disk: one line names the recording, and fewer than 40 lines are printed" sh -c '[ "$(grep -c "r.h5: " "$1")" = 1 ] && [ "$(wc -l <"$1")" -lt 40 ]' - "$said"
+    check "full disk: no incomplete recording is left" no_half_files "$R"
     rm "$R/filler"
     rm -rf "$R"/*
     make_tiny eval -j2
-    check "with room again, make goes on from nothing" exited 0
-    check "with room again, the contents are the same" same_contents "$R" "$scratch/whole"
+    check "with space again, make eval succeeds from an empty folder" exited 0
+    check "with space again, the results are the same" same_contents "$R" "$scratch/whole"
     umount "$R"
 else
     skip "full disk" "mounting a small file system needs root"

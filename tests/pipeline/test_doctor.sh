@@ -1,7 +1,8 @@
 #!/bin/sh
-# tissuectl doctor: finds what is there, names what is not, and knows the packages that scripts/install_deps installs.
+# tissuectl doctor: finds installed tools, names missing ones, and lists the packages that scripts/install_deps
+# installs.
 . "$(dirname "$0")/common"
-doctor() { # OPTION...: in a PATH of our own, standard output to $out
+doctor() { # OPTION...: standard output to $out, standard error to $said
     "$TISSUECTL" doctor "$@" >"$out" 2>"$said" </dev/null
     status=$?
 }
@@ -9,7 +10,7 @@ out=$scratch/out
 export PYTHON
 
 doctor --json
-check "every tool that is needed is here: exit 0" exited 0
+check "all needed tools are installed: exit 0" exited 0
 cp "$out" "$scratch/all.json"
 check "doctor and install_deps name the same packages" "$PYTHON" -c "
 import json, re, sys
@@ -21,14 +22,14 @@ needed, other = {t['package'] for t in tools if t['needed']}, {t['package'] for 
 wrong = (base ^ needed) | (tests ^ (other - {'ccache'}))
 sys.exit(f'not where the other has them: {wrong}' if wrong else 0)" \
     "$scratch/all.json" "$root/scripts/install_deps"
-check "versions are those the tools say themselves" "$PYTHON" -c "
+check "doctor prints the versions that the tools print themselves" "$PYTHON" -c "
 import h5py, json, numpy, subprocess, sys
 version = {t['name']: t['version'] for t in json.load(open(sys.argv[1]))['tools']}
 said = lambda *command: subprocess.run(command, capture_output=True, text=True).stdout.strip()
 wanted = {'numpy': numpy.__version__, 'h5py': h5py.__version__, 'g++': said('g++', '-dumpfullversion'),
           'Eigen': said('pkg-config', '--modversion', 'eigen3')}
 sys.exit(str([k for k in wanted if wanted[k] != version[k]]) if any(wanted[k] != version[k] for k in wanted) else 0)" "$scratch/all.json"
-check "it says what of realtime the machine allows" "$PYTHON" -c "
+check "doctor lists SCHED_FIFO, locked memory and realtime kernel of the machine" "$PYTHON" -c "
 import json, sys
 machine = {a['name']: a['allowed'] for a in json.load(open(sys.argv[1]))['machine']}
 sys.exit(0 if machine.keys() == {'SCHED_FIFO', 'locked memory', 'realtime kernel'} else str(machine))" "$scratch/all.json"
@@ -36,9 +37,9 @@ sys.exit(0 if machine.keys() == {'SCHED_FIFO', 'locked memory', 'realtime kernel
     [ "$(id -u)" != 0 ] || HOME=/ $as_nobody true || exit 0
     cp "$TISSUECTL" "$scratch/tissuectl" && chmod 755 "$scratch" "$scratch/tissuectl"
     HOME=/ ${as_nobody:-} "$scratch/tissuectl" doctor >"$scratch/nobody" 2>&1)
-check "without rights, it says how to get realtime" grep -q "^SCHED_FIFO  *no; get it by root, or 'rtprio" "$scratch/nobody"
+check "without privileges, doctor prints how to get realtime" grep -q "^SCHED_FIFO  *no; to allow it: root, or 'rtprio" "$scratch/nobody"
 
-# ---- a machine on which gmsh and FreeFEM are missing: stand-ins that are not there, and a PATH that has the rest
+# ---- missing gmsh and FreeFEM, simulated by programs that exit with 127 ("not found")
 mkdir "$scratch/bin"
 for name in gmsh FreeFem++-nw; do
     printf '#!/bin/sh\nexit 127\n' >"$scratch/bin/$name"
@@ -46,10 +47,10 @@ for name in gmsh FreeFem++-nw; do
 done
 PATH="$scratch/bin:$PATH" doctor
 check "gmsh and FreeFEM missing: exit 1" exited 1
-check "one line on standard error names them and their packages" one_line \
+check "gmsh and FreeFEM missing: one line on standard error names them and their packages" one_line \
     '^tissuectl: missing: gmsh, FreeFem++, FreeFem++ plugins; run make deps, or as root: apt-get install gmsh freefem++ libfreefem++$'
-check "the table says so where they would stand" grep -q '^gmsh  *MISSING  *gmsh  *meshes the tissue' "$out"
+check "gmsh and FreeFEM missing: the table marks gmsh as missing" grep -q '^gmsh  *MISSING  *gmsh  *meshes the tissue' "$out"
 FF_LOADPATH=$scratch doctor
 check "a plugin folder without plugins: exit 1" exited 1
-check "a plugin folder without plugins: says so" one_line '^tissuectl: missing: FreeFem++ plugins;'
+check "a plugin folder without plugins: one line states the cause" one_line '^tissuectl: missing: FreeFem++ plugins;'
 finish

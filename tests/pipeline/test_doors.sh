@@ -1,6 +1,6 @@
 #!/bin/sh
-# The ways in for other programs: libtissue.so with tissue.h from C, `import tissue` from Python, as they are installed; what both say is the
-# same to the last bit.
+# The bindings for other programs, as installed: libtissue.so with tissue.h from C, and `import tissue` from Python.
+# Both give the same forces to the last bit.
 . "$(dirname "$0")/common"
 build=$(dirname "$TISSUECTL")
 examples=$root/lib/api/examples
@@ -9,7 +9,7 @@ make_copy
 data=$work/fem/data/tiny.csv
 model=$scratch/model.h5
 
-# A tissue of 50 N/m along the normal and 30 N/m across it, all round.
+# A synthetic tissue with 50 N/m along the normal and 30 N/m across it at every contact.
 "$PYTHON" - "$data" <<'PY'
 import sys
 rows = ["contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [mN]"]
@@ -30,25 +30,25 @@ export PKG_CONFIG_PATH="$prefix/lib/pkgconfig" LD_LIBRARY_PATH="$prefix/lib" PYT
 export MPLCONFIGDIR="$scratch"
 
 # ---- C
-check "the header is C of 1999 and C++ of 2011, without a warning" sh -c "
+check "tissue.h compiles as C99 and as C++11 without a warning" sh -c "
     gcc -std=c99 -Wall -Wextra -Wpedantic -Werror -fsyntax-only -x c '$prefix/include/tissue.h' && g++ -std=c++11 -Wall -Wextra -Wpedantic -Werror -fsyntax-only -x c++ '$prefix/include/tissue.h'"
-check "the example builds by pkg-config" sh -c "gcc -std=c99 -Wall -Wextra -Wpedantic -Werror '$examples/press.c' \$(pkg-config --cflags --libs tissue-c) -o '$scratch/press'"
-check "and needs the library alone" sh -c "readelf -d '$scratch/press' | grep -q 'NEEDED.*libtissue.so.1' && ! readelf -d '$scratch/press' | grep -q 'NEEDED.*\(hdf5\|stdc++\|nlopt\)'"
-check "the library shows the symbols of tissue.h, of a version, and no others" sh -c "
+check "the C example builds by pkg-config" sh -c "gcc -std=c99 -Wall -Wextra -Wpedantic -Werror '$examples/press.c' \$(pkg-config --cflags --libs tissue-c) -o '$scratch/press'"
+check "the C example links libtissue.so.1, and not hdf5, stdc++ or nlopt" sh -c "readelf -d '$scratch/press' | grep -q 'NEEDED.*libtissue.so.1' && ! readelf -d '$scratch/press' | grep -q 'NEEDED.*\(hdf5\|stdc++\|nlopt\)'"
+check "the library exports the symbols of tissue.h with version TISSUE_1, and no others" sh -c "
     nm -D --defined-only '$prefix/lib/libtissue.so.1' | sed -n 's/.* T //p' | sort >'$scratch/has'
     sed -n 's/^TISSUE_API.*\(tissue_[a-zA-Z_]*\)(.*/\1@@TISSUE_1/p' '$prefix/include/tissue.h' | sort | diff - '$scratch/has'"
 "$PYTHON" -c 'import math
 for k in range(1000):
     print(0.05 + 0.004 * math.sin(9e-3 * k), "nan" if k == 300 else 0.101 - 0.005 * math.sin(3.14e-3 * k), 0.3)' >"$scratch/way"
-check "the example presses" sh -c "'$scratch/press' '$model' friction 0.3 <'$scratch/way' >'$scratch/c' 2>'$scratch/log'"
-check "it says that a position was refused, and goes on" sh -c "grep -qx 'press: the position was refused: not finite, too fast or too old' '$scratch/log' && [ \$(wc -l <'$scratch/c') = 1000 ]"
-check "a wrong option is one line" sh -c "! '$scratch/press' '$model' frction 0.3 </dev/null 2>'$scratch/log' && grep -qx \"press: there is no option 'frction'\" '$scratch/log'"
-check "and a file that is no model" sh -c "! '$scratch/press' '$data' </dev/null 2>'$scratch/log' && [ \$(wc -l <'$scratch/log') = 1 ] && grep -q 'tiny.csv' '$scratch/log'"
-check "a tick of a library that was opened while the program runs allocates nothing, nor one that is refused" sh -c "
+check "the C example runs" sh -c "'$scratch/press' '$model' friction 0.3 <'$scratch/way' >'$scratch/c' 2>'$scratch/log'"
+check "the C example reports a refused position and continues" sh -c "grep -qx 'press: the position was refused: not finite, too fast or too old' '$scratch/log' && [ \$(wc -l <'$scratch/c') = 1000 ]"
+check "the C example with an unknown option prints one line" sh -c "! '$scratch/press' '$model' frction 0.3 </dev/null 2>'$scratch/log' && grep -qx \"press: there is no option 'frction'\" '$scratch/log'"
+check "the C example with a file that is not a model prints one line" sh -c "! '$scratch/press' '$data' </dev/null 2>'$scratch/log' && [ \$(wc -l <'$scratch/log') = 1 ] && grep -q 'tiny.csv' '$scratch/log'"
+check "ticks of a library opened by dlopen allocate no memory, also when a position is refused" sh -c "
     gcc -std=c11 -Wall -Wextra -Werror -I'$prefix/include' '$root/tests/api/loaded_tick.c' -o '$scratch/loaded_tick' -ldl -lm -pthread && '$scratch/loaded_tick' '$prefix/lib/libtissue.so.1' '$model'"
 
 # ---- Python
-check "a thousand ticks in Python are those in C to the last bit" "$PYTHON" - "$model" "$scratch/way" "$scratch/c" <<'PY'
+check "a thousand ticks in Python give the forces of C to the last bit" "$PYTHON" - "$model" "$scratch/way" "$scratch/c" <<'PY'
 import sys
 
 import numpy as np
@@ -61,7 +61,7 @@ assert once.shape == (1000, 3) and (once == there).all() and np.abs(once).max() 
 step = tissue.Simulation(tissue.Model(model), friction=0.3)
 assert all((step.tick(p) == f).all() for p, f in zip(way, there))
 PY
-check "arrays of the model and the session are views, and stay when their owner goes" "$PYTHON" - "$model" <<'PY'
+check "arrays of model and session are views, and outlive their owner" "$PYTHON" - "$model" <<'PY'
 import gc, sys
 
 import numpy as np
@@ -81,7 +81,7 @@ del model, session
 gc.collect()
 assert (nodes == copy).all() and (u == 0).all()
 PY
-check "a session is saved, copied, changed and taken over" "$PYTHON" - "$model" <<'PY'
+check "a session can be saved, copied, changed and taken over by another one" "$PYTHON" - "$model" <<'PY'
 import sys
 
 import numpy as np
@@ -102,7 +102,7 @@ for wrong in (state[:-1], state[:-1] + bytes([state[-1] ^ 1])):
     except tissue.Error:
         continue
     assert False, wrong
-assert session.surfaces == []  # in the plane
+assert session.surfaces == []  # none in the plane
 energies = session.energies_J
 assert set(energies) == {"given", "observed", "bound", "kinetic", "friction", "stored", "dissipated"} and energies["given"] < 0 < energies["bound"] and energies["friction"] > 0, energies
 session.set(force_scale=2, offset=(0, 0))
@@ -125,8 +125,25 @@ following.follow(session)
 following.take_over(session)
 assert following.counts["ticks"] == session.counts["ticks"] and following.tick(at + [49e-4, 0, 0], age_s=0.001).shape == (3,) and following.contact["status"] == "done"
 PY
+check "a tool that grasps lifts the tissue in Python, and lets go above its limit" "$PYTHON" - "$model" <<'PY'
+import sys
+
+import numpy as np
+import tissue
+model = tissue.Model(sys.argv[1])
+session = tissue.Simulation(model)
+line = lambda first, last, n: np.column_stack([np.full(n, 0.05), np.linspace(first, last, n), np.zeros(n)])
+session.ticks(line(0.101, 0.099, 300))
+session.grasp(True)
+lifted = session.ticks(line(0.099, 0.103, 400))
+assert session.contact["grasped"] and session.contact["mesh"] == 0 and lifted[-1][1] < -1e-3, (session.contact, lifted[-1])
+session.set(grasp_max=0.5 * np.linalg.norm(session.contact["force_N"]))
+session.tick(line(0.103, 0.103, 1)[0])
+after = session.ticks(line(0.103, 0.103, 3))
+assert not session.contact["grasped"] and session.counts["let_go"] == 1 and not after[-1].any(), (session.counts, after[-1])
+PY
 cp "$model" "$scratch/floppy.h5"
-check "many presses at once are the presses one by one, and one without an answer says why" "$PYTHON" - "$model" "$scratch" <<'PY'
+check "Model.press of many contacts equals that of each contact, and states the cause of a missing answer" "$PYTHON" - "$model" "$scratch" <<'PY'
 import sys
 
 import h5py
@@ -146,7 +163,7 @@ with h5py.File(f"{sys.argv[2]}/floppy.h5", "a") as file:
 force, u, why = tissue.Model(f"{sys.argv[2]}/floppy.h5").press(contacts[:2], [(0, -0.3), (0, 0)])
 assert why[0] and np.isnan(force[0]).all() and np.isnan(u[0]).all() and why[1] == "" and (u[1] == 0).all(), (why, force)
 PY
-check "it learns from pokes as tissuectl adapt does, and reads what a study left" "$PYTHON" - "$TISSUECTL" "$model" "$scratch" <<'PY'
+check "Adaptation gives the model of tissuectl adapt, and read_study reads the files of a study" "$PYTHON" - "$TISSUECTL" "$model" "$scratch" <<'PY'
 import subprocess, sys
 
 import h5py
@@ -174,7 +191,7 @@ assert study["model"].is_law and study["eval"] is None and len(study["paths"]) >
 path = study["paths"][0]
 assert path["role"] == "train" and path["force_N"].shape[1] == 2 and path["displacement_m"].shape[0] == 0
 PY
-check "what is wrong is tissue.Error in one line" "$PYTHON" - "$model" <<'PY'
+check "invalid arguments raise tissue.Error with a message of one line" "$PYTHON" - "$model" <<'PY'
 import sys
 
 import numpy as np
@@ -193,7 +210,7 @@ for wrong in (lambda: tissue.Model("nowhere.h5"), lambda: tissue.Model("no\nwher
     else:
         assert False, wrong
 PY
-check "a host of 50 Hz gets the force of one of 1 kHz, a tick that comes too late says so, and limits are counted" "$PYTHON" - "$model" <<'PY'
+check "a host at 50 Hz gets the force of 1 kHz within 1 %, a late tick is reported, and limits are counted" "$PYTHON" - "$model" <<'PY'
 import sys
 
 import numpy as np
@@ -217,7 +234,7 @@ except tissue.Error as e:
 else:
     assert False
 PY
-check "programs, C and Python have the options of OPTIONS.md, with its defaults and values, and refuse the same values in the same words" \
+check "programs, C and Python have the options, defaults and values of OPTIONS.md, and refuse values with the same message" \
     "$PYTHON" - "$prefix" "$model" "$scratch/press" <<'PY'
 import re, subprocess, sys
 
@@ -271,7 +288,7 @@ for name, unit, default, values, where, live, meaning in rows:
         compared += len(heard) > 1
 assert compared > 40, compared
 PY
-check "two tools in Python tick at once, and what is asked is about one of them" "$PYTHON" - "$model" <<'PY'
+check "two tools in Python tick together, and queries concern the selected tool" "$PYTHON" - "$model" <<'PY'
 import sys
 
 import numpy as np
@@ -306,14 +323,14 @@ for wrong in (lambda: session.tick(at[0]), lambda: session.ticks(at), lambda: se
     else:
         assert False
 PY
-check "a push that is none of the tissue is refused, and named" "$PYTHON" - "$model" <<'PY'
+check "an indentation off the tissue is refused, and the message names it" "$PYTHON" - "$model" <<'PY'
 import sys
 
 import numpy as np
 import tissue
 model, patient = tissue.Model(sys.argv[1]), tissue.Adaptation(sys.argv[1])
 top, down = (0.05, 0.1), (0, -0.004)
-for contact, push, why in (((5, 5), down, "off the surface"), ((0.05, 0.06), down, "off the surface"), ((0.05, 0), (0, 0.004), "on what is held"), ((0, 0), (0.004, 0), "on what is held"),
+for contact, push, why in (((5, 5), down, "off the surface"), ((0.05, 0.06), down, "off the surface"), ((0.05, 0), (0, 0.004), "on a fixed part"), ((0, 0), (0.004, 0), "on a fixed part"),
                            (top, (0, 0.004), "out of the tissue"), ((np.nan, 0.1), down, "no"), ((np.inf, 0.1), down, "no"), (top, (0, np.nan), "no")):
     for act in (lambda: model.press([top, contact], [down, push]), lambda: patient.expect(contact, push)):
         try:
@@ -334,7 +351,7 @@ for depth in (-1, 0, np.nan, np.inf):
     assert False, depth
 force, _, _ = model.press([top, (0.05, 0.101)], [down, down])  # a millimetre off is on it
 assert (force[0] == force[1]).all() and patient.expect(top, down)[2] == "held"
-# where there is no answer there is no force; no push, no force
+# a missing answer has no force; zero displacement has zero force
 lost = 0
 for push in ((0, -0.2), (0, -1), (0, -100)):
     force, _, why = model.press([top], [push])
@@ -345,7 +362,7 @@ assert lost > 0
 expected, sd, status = patient.expect(top, (0, 0))
 assert status == "held" and not expected.any() and 0 < sd < 1, (expected, sd, status)
 PY
-check "numbers that no file may have are refused, and an earlier file stays" "$PYTHON" - "$model" "$scratch" <<'PY'
+check "invalid options of Adaptation, damaged eval.json and folders as files are refused" "$PYTHON" - "$model" "$scratch" <<'PY'
 import math, pathlib, sys
 
 import tissue
@@ -377,11 +394,11 @@ for what in (lambda: tissue.Model(scratch), lambda: tissue.read_cases(scratch)):
     try:
         what()
     except tissue.Error as e:
-        assert str(e).endswith("is a folder, wanted a file"), e
+        assert str(e).endswith("is a folder; give a file"), e
     else:
         assert False
 PY
-check "None in place of any argument of anything is a TypeError or a tissue.Error" "$PYTHON" - "$model" "$scratch" <<'PY'
+check "None as any argument raises TypeError or tissue.Error" "$PYTHON" - "$model" "$scratch" <<'PY'
 import sys
 
 import tissue
@@ -398,20 +415,20 @@ calls = {tissue.Model: dict(file=file), tissue.Simulation: dict(model=model, fri
 for call, arguments in calls.items():
     call(**arguments)
     for name in arguments:
-        if (call, name) in ((tissue.Adaptation, "rival"), (session.tick_tools, "age_s")): continue  # None is as false as 0, and no age
+        if (call, name) in ((tissue.Adaptation, "rival"), (session.tick_tools, "age_s")): continue  # None is valid: false, and no age
         try:
             call(**{**arguments, name: None})
         except (TypeError, tissue.Error):
             continue
         assert False, (call, name)
 PY
-check "an object that was never initialised is a TypeError, whatever is asked of it" "$PYTHON" - "$model" <<'PY'
+check "every use of an object that was never initialised raises TypeError" "$PYTHON" - "$model" <<'PY'
 import sys
 
 import tissue
 bare = {owner: owner.__new__(owner) for owner in (tissue.Model, tissue.Simulation, tissue.Adaptation)}
 top, down = (0.05, 0.1), (0, -0.004)
-arguments = {"press": ([top], [down]), "with_tool": (0.005,), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "tick_tools": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "use_tool": (0,), "surface": ("boundary",), "add_surface": ("organ", "/nowhere/none.obj", 1.0), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
+arguments = {"press": ([top], [down]), "with_tool": (0.005,), "tick": ((0, 0.2, 0),), "ticks": ([(0, 0.2, 0)],), "tick_tools": ([(0, 0.2, 0)],), "learn": (top, down, down), "expect": (top, down), "write": ("/nowhere/none.h5",), "clutch": (True,), "grasp": (True,), "use_tool": (0,), "surface": ("boundary",), "add_surface": ("organ", "/nowhere/none.obj", 1.0), "follow": (tissue.Simulation(tissue.Model(sys.argv[1])),), "take_over": (tissue.Simulation(tissue.Model(sys.argv[1])),)}
 asked = 0
 for owner, it in bare.items():
     for name in vars(owner):
@@ -421,7 +438,7 @@ for owner, it in bare.items():
             got = getattr(it, name)
             got(*arguments.get(name, ()))
         except TypeError as e:
-            assert "never initialised" in str(e), (owner, name, e)
+            assert "not initialised" in str(e), (owner, name, e)
             asked += 1
             continue
         assert False, (owner, name)
@@ -433,7 +450,7 @@ except (TypeError, RuntimeError):
 else:
     assert False
 PY
-check "a file is named by a path as well as by its text" "$PYTHON" - "$model" "$scratch" <<'PY'
+check "files may be given as paths or as text" "$PYTHON" - "$model" "$scratch" <<'PY'
 import pathlib, sys
 
 import tissue
@@ -443,12 +460,12 @@ patient = tissue.Adaptation(model)
 patient.write(scratch / "path.h5")
 assert len(tissue.read_cases(scratch / "cases.h5")) == len(tissue.read_study(scratch)["paths"])
 PY
-check "what takes long lets other threads run, and Ctrl-C ends it" "$PYTHON" - "$model" <<'PY'
+check "long calls let other threads run, and Ctrl-C interrupts them" "$PYTHON" - "$model" <<'PY'
 import os, signal, sys, threading, time
 
 import numpy as np
 import tissue
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may ignore it
 model = tissue.Model(sys.argv[1])
 session = tissue.Simulation(model)
 way = np.tile((0.05, 0.097, 0), (10_000_000, 1))  # minutes
@@ -477,16 +494,16 @@ before = session.counts["ticks"]
 assert 0 < before < len(way)
 session.ticks(way[:10])
 assert session.counts["ticks"] == before + 10
-# a handler that uses the very object
+# a signal handler that uses the same object
 signal.signal(signal.SIGALRM, lambda *_: session.reset())
 signal.setitimer(signal.ITIMER_REAL, 0.2)
 session.ticks(way[:200_000])
 PY
-check "the first arrays of a program may be had in many threads at once" "$PYTHON" - "$model" "$scratch/cases.h5" <<'PY'
+check "several threads can create the first arrays of a program at once" "$PYTHON" - "$model" "$scratch/cases.h5" <<'PY'
 import faulthandler, sys, threading
 
 import tissue
-faulthandler.dump_traceback_later(60, exit=True)  # threads that wait for each other would wait for ever
+faulthandler.dump_traceback_later(60, exit=True)  # ends a deadlock
 wrong = []
 def use():
     try:
@@ -498,7 +515,7 @@ threads = [threading.Thread(target=use) for _ in range(6)]
 [t.join() for t in threads]
 assert not wrong, wrong
 PY
-check "one object in many threads is used by one at a time" "$PYTHON" - "$model" <<'PY'
+check "one object can be used in several threads" "$PYTHON" - "$model" <<'PY'
 import sys, threading
 
 import numpy as np
@@ -520,10 +537,10 @@ threads = [threading.Thread(target=use, args=(k,)) for k in range(4)]
 assert not wrong, wrong
 assert session.counts["ticks"] == 4 * 20 * 20
 PY
-check "help() has a sentence for every name" "$PYTHON" -c 'import tissue
+check "every public name has a docstring" "$PYTHON" -c 'import tissue
 for owner in (tissue, tissue.Model, tissue.Simulation, tissue.Adaptation):
     for name in vars(owner):
         if not name.startswith("_"): assert getattr(owner, name).__doc__, (owner, name)'
-check "the example draws" "$PYTHON" "$examples/press.py" "$model" "$scratch/press.png"
-check "a picture" sh -c "[ \$(wc -c <'$scratch/press.png') -gt 20000 ]"
+check "the Python example runs" "$PYTHON" "$examples/press.py" "$model" "$scratch/press.png"
+check "the Python example writes a picture" sh -c "[ \$(wc -c <'$scratch/press.png') -gt 20000 ]"
 finish

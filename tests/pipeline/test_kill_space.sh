@@ -1,6 +1,6 @@
 #!/bin/bash
-# The same in space, where every path has a mesh of its own and training takes longer: TISSUE_KILLS times (3), of TISSUE_KILL_STUDY (a small
-# solid block of the test's own).
+# As test_kill.sh in space, where every load path has a mesh of its own and training takes longer: TISSUE_KILLS kills
+# (3) of TISSUE_KILL_STUDY (default: a small solid block).
 . "$(dirname "$0")/common"
 . "$(dirname "$0")/kills"
 make_copy

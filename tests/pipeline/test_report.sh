@@ -1,9 +1,9 @@
 #!/bin/sh
-# report.html: one file that needs nothing else, with the number that matters first, and tables that sort in a browser.
+# report.html: one self-contained file, with the main number first, and tables that can be sorted in a browser.
 . "$(dirname "$0")/common"
 make_copy
 make_tiny report -j2
-check "make report succeeds from nothing" exited 0
+check "make report succeeds from an empty folder" exited 0
 page=$R/report.html
 browse() { "$PYTHON" "$root/tests/pipeline/browse_report.py" "$@"; }
 inside() { "$PYTHON" "$root/tests/pipeline/report_contents.py" "$1" "$R"; }
@@ -14,10 +14,10 @@ done
 cp -p "$page" "$scratch/first.html"
 rm "$page"
 make_tiny report
-check "the same results give the same bytes" cmp "$page" "$scratch/first.html"
+check "report.html is identical when made again from the same results" cmp "$page" "$scratch/first.html"
 make_tiny all
 make_tiny all -q
-check "make all makes it, once" exited 0
+check "make all is up to date after make all with a report" exited 0
 
 if ! "$PYTHON" -c "import selenium" 2>/dev/null || ! command -v chromedriver >/dev/null; then
     skip "report.html in a browser" "no python3-selenium or chromium-driver"
@@ -25,23 +25,23 @@ else
     browse "$page" "$scratch/browser" || failures=$((failures + 1))
 fi
 
-# ---- what it cannot be made of
+# ---- inputs without which there is no report
 mv "$R/figures/force.png" "$scratch/force.png"
 run "$PYTHON" scripts/report/page.py results/tiny results/tiny/report.html
 check "a missing figure: exit 2" exited 2
 check "a missing figure: one line names it" one_line 'figures/force.png: '
-check "a missing figure: the earlier report is untouched" cmp "$page" "$scratch/first.html"
+check "a missing figure: the earlier report is unchanged" cmp "$page" "$scratch/first.html"
 mv "$scratch/force.png" "$R/figures/force.png"
 cp "$R/eval.json" "$scratch/eval.json"
 head -c 500 "$scratch/eval.json" >"$R/eval.json"
 run "$PYTHON" scripts/report/page.py results/tiny results/tiny/report.html
-check "an evaluation that is cut off: exit 2" exited 2
-check "an evaluation that is cut off: one line" one_line '^page.py: results/tiny/eval.json: '
+check "a truncated evaluation: exit 2" exited 2
+check "a truncated evaluation: one line names it" one_line '^page.py: results/tiny/eval.json: '
 cp "$scratch/eval.json" "$R/eval.json"
 for name in page force; do
-    check "an evaluation with wrong content, $name: one line" "$PYTHON" -B "$root/tests/pipeline/wrong_content.py" $name "$R"
+    check "$name.py with wrong content in an evaluation: success, or one line" "$PYTHON" -B "$root/tests/pipeline/wrong_content.py" $name "$R"
 done
-check "of an HDF5 file that leads to another one nothing is read" "$PYTHON" -B -c "import subprocess, sys
+check "HDF5 files with links, or with values in other files, are refused" "$PYTHON" -B -c "import subprocess, sys
 import h5py, numpy
 file, secret = sys.argv[1:]
 sys.path.insert(0, 'scripts/figures')
@@ -64,5 +64,5 @@ for foreign, why in ((linked, 'is a link'), (soft, 'is a link'), (raw, 'values i
     ended = subprocess.run([sys.executable, '-c', 'import sys; sys.path.insert(0, sys.argv[1]); from stored import stored\nwith stored(sys.argv[2]) as f: print(*f)', 'scripts/figures', file], capture_output=True, text=True)
     assert (ended.returncode, bool(ended.stdout)) == ((2, False) if foreign else (0, True)) and why in ended.stderr and ended.stderr.count('\\n') <= 1, (why, ended)" \
     "$scratch/foreign.h5" "$scratch/secret.h5"
-check "nothing half-written is left" no_half_files "$R"
+check "no incomplete file is left" no_half_files "$R"
 finish

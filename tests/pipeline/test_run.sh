@@ -1,10 +1,11 @@
 #!/bin/sh
-# tests/run itself: what it counts, of suites that pass, fail, skip, crash, check nothing, and of two that have one name. And tests/parts: that all tests run.
+# Tests of tests/run: its counts for suites that pass, fail, skip, crash or check nothing, and for two suites with one
+# name. Tests of tests/parts: every test runs once.
 . "$(dirname "$0")/common"
 mkdir -p "$work/tests/fem" "$work/tests/pipeline"
 cp "$root/tests/run" "$work/tests"
 
-# suite FOLDER/NAME LINE...: one of these lines
+# suite FOLDER/NAME LINE...: writes a suite of these lines
 suite() {
     file=$work/tests/$1.sh
     shift
@@ -20,36 +21,36 @@ suite pipeline/test_solid 'echo "ok - c"' 'echo "ok - d # SKIP no such thing her
 suite pipeline/test_alone '# Alone: it keeps real time.' 'echo "ok - e"'
 for jobs in 1 4; do
     run "$work/tests/run" "$work/library" $jobs
-    check "$jobs at a time: suites of one name in two folders both count" counts "9 passed, 0 failed, 1 skipped"
-    check "$jobs at a time: all is well" exited 0
-    check "$jobs at a time: what is skipped is told" grep -q '^skipped d # SKIP no such thing' "$said"
+    check "$jobs at a time: suites with one name in two folders are both counted" counts "9 passed, 0 failed, 1 skipped"
+    check "$jobs at a time: exit status 0" exited 0
+    check "$jobs at a time: skipped checks are printed" grep -q '^skipped d # SKIP no such thing' "$said"
 done
 
 suite fem/test_solid 'echo "ok - a"' 'echo "not ok - b"' 'echo "it was 3"' 'exit 1'
 run "$work/tests/run" "$work/library" 4
-check "a failure counts" counts "8 passed, 1 failed, 1 skipped"
-check "and ends with 1" exited 1
-check "what was seen is told" sh -c "grep -A 1 '^not ok - b' '$said' | grep -q '^it was 3'"
+check "a failed check is counted" counts "8 passed, 1 failed, 1 skipped"
+check "a failed check: exit status 1" exited 1
+check "the output of a failed check is printed" sh -c "grep -A 1 '^not ok - b' '$said' | grep -q '^it was 3'"
 suite fem/test_solid 'echo "ok - a"' 'exit 3'
 run "$work/tests/run" "$work/library" 4
-check "a suite that ends badly after checks that passed is a failure" counts "8 passed, 1 failed, 1 skipped"
+check "a suite that fails after passed checks counts as one failure" counts "8 passed, 1 failed, 1 skipped"
 suite fem/test_solid true
 run "$work/tests/run" "$work/library" 4
-check "a suite that checks nothing is a failure" counts "7 passed, 1 failed, 1 skipped"
+check "a suite without checks counts as one failure" counts "7 passed, 1 failed, 1 skipped"
 suite fem/test_solid 'echo "ok - a"'
 library 'test cases: 5 | 3 passed | 2 failed' 2
 run "$work/tests/run" "$work/library" 4
-check "the library's failures count" counts "6 passed, 2 failed, 1 skipped"
+check "failures of the library's tests are counted" counts "6 passed, 2 failed, 1 skipped"
 library '' 139
 run "$work/tests/run" "$work/library" 4
-check "a library that crashes is a failure" counts "3 passed, 1 failed, 1 skipped"
+check "a crash of the library's tests counts as one failure" counts "3 passed, 1 failed, 1 skipped"
 library 'All tests passed (12 assertions in 5 test cases)' 0
 suite pipeline/test_the_last '# Long: it takes minutes.' 'echo "ok - f"'
 run "$work/tests/run" "$work/library" 1
-check "a long suite runs right after the library" sh -c "sed -n 2p '$said' | grep -q test_the_last"
-check "and once" counts "9 passed, 0 failed, 1 skipped"
+check "a suite marked Long runs directly after the library's tests" sh -c "sed -n 2p '$said' | grep -q test_the_last"
+check "a suite marked Long runs once" counts "9 passed, 0 failed, 1 skipped"
 
-# ---- a Catch2 program of seven tests, of which BAD fails and GONE ends the process
+# ---- a substitute for a Catch2 program of seven tests: test BAD fails, test GONE ends the process
 cat >"$work/seven" <<'SH'
 #!/bin/sh
 [ "$1" != --list-test-names-only ] || { seq 6; echo 7, at last; exit 7; }
@@ -69,15 +70,15 @@ every_one_once() { [ "$(sort "$SEEN" | tr '\n' ' ')" = '1 2 3 4 5 6 7\, at last 
 for parts in 1 2 9; do
     rm -f "$SEEN"
     run "$root/tests/parts" "$work/seven" $parts
-    check "in $parts parts: all is well" exited 0
-    check "in $parts parts: each test ran once" every_one_once
+    check "in $parts parts: exit status 0" exited 0
+    check "in $parts parts: each test runs once" every_one_once
 done
 export BAD=3
 run "$root/tests/parts" "$work/seven" 2
-check "in parts: a failure ends with 1" exited 1
-check "in parts: what was seen is told" grep -q '^it was 3' "$said"
+check "in parts: a failed test gives exit status 1" exited 1
+check "in parts: the output of a failed test is printed" grep -q '^it was 3' "$said"
 export BAD=0 GONE=3
 run "$root/tests/parts" "$work/seven" 2
-check "in parts: one that ends early ends with 1" exited 1
-check "in parts: it is told how many ran" grep -q '^tests/parts: 3 of 7 tests ran' "$said"
+check "in parts: a part that ends early gives exit status 1" exited 1
+check "in parts: the number of tests that ran is printed" grep -q '^tests/parts: 3 of 7 tests ran' "$said"
 finish

@@ -1,6 +1,6 @@
 #!/bin/sh
-# A tissue of one's own, end to end: an outline as .geo, the same as a mesh in MSH 4.1, presets, a region of its own
-# material, and what is refused with one line.
+# A tissue of a user's outline, end to end: as .geo, as a mesh in MSH 4.1, with a preset, with a region of another
+# material; and refusals with one line.
 . "$(dirname "$0")/common"
 make_copy
 study=fem/studies/tiny.toml
@@ -65,9 +65,9 @@ topology = "edges"
 terms = ["spring.all", "spring.held", "contact.normal", "contact.tangent"]
 TOML
 make_tiny eval -j2
-check "a curved outline goes through from gmsh to the evaluation" exited 0
-check "its results are there" exist "$R/mesh.msh" "$R/cases.h5" "$R/model.h5" "$R/eval.json" "$R/report.md"
-check "its springs are the edges of its mesh, one closed surface, one held part" "$PYTHON" - "$R" <<'PY'
+check "make eval of a curved outline succeeds" exited 0
+check "make eval of a curved outline writes all results" exist "$R/mesh.msh" "$R/cases.h5" "$R/model.h5" "$R/eval.json" "$R/report.md"
+check "the springs are the mesh's edges, the outline is simply connected, and forces balance" "$PYTHON" - "$R" <<'PY'
 import sys
 import h5py
 import numpy as np
@@ -84,7 +84,7 @@ with h5py.File(sys.argv[1] + "/model.h5") as m, h5py.File(sys.argv[1] + "/cases.
         assert np.abs(f.sum(axis=1)).max() < 1e-8 * np.abs(f).max(), name
         assert np.abs(r).max() < 1e-8 * np.abs(f).max(), name
 PY
-check "held-out contacts have numbers" "$PYTHON" - "$R" <<'PY'
+check "the test set has errors of the learned model and of the baselines" "$PYTHON" - "$R" <<'PY'
 import json, sys
 loop = json.load(open(sys.argv[1] + "/eval.json"))["closed_loop"]["held_out"]
 assert loop["learned"]["n"] + 0 >= 1 and 0 < loop["learned"]["median"] < 0.5, loop["learned"]
@@ -92,39 +92,39 @@ assert loop["heuristic_a"]["median"] > 0 and "uniform_edges_axial" in loop and "
 PY
 snapshot "$R" >"$scratch/before"
 make_tiny eval
-check "made again, nothing is done" only_changed "$scratch/before" "$R" ""
+check "a second make eval changes no file" only_changed "$scratch/before" "$R" ""
 touch "$work/$study"
 make_tiny eval
-check "a study touched but not changed is planned again and nothing else" only_changed "$scratch/before" "$R" "plan.mk"
+check "a study with a new time stamp is only planned again" only_changed "$scratch/before" "$R" "plan.mk"
 for made_of in build/release/stage/shape scripts/mesh; do
     snapshot "$R" >"$scratch/before"
     touch "$work/$made_of"
     make_tiny eval
-    check "$made_of is newer: the mesh is made anew, and where it is the same nothing is solved for it" \
+    check "$made_of is newer: the mesh is made again, and no load path is solved if it is the same" \
         only_changed "$scratch/before" "$R" "mesh.made mesh.msh.log plan.mk"
     make_tiny eval -q
-    check "$made_of is newer: once" exited 0
+    check "$made_of is newer: make eval is then up to date" exited 0
 done
 cp -p "$R/mesh.msh" "$scratch/mesh.msh"
 echo of-another-program >>"$R/mesh.msh"
 touch "$work/build/release/stage/shape"
 make_tiny mesh
-check "a mesh that another program made is made anew" cmp "$R/mesh.msh" "$scratch/mesh.msh"
+check "a mesh that was changed is made again" cmp "$R/mesh.msh" "$scratch/mesh.msh"
 run make -n PYTHON="$PYTHON" STUDY=tiny cases
-check "and then every load path is solved on it" says "solve_path results/tiny s"
+check "after a changed mesh load paths are solved again" says "solve_path results/tiny s"
 rm "$R/mesh.msh"
 make_tiny mesh
-check "a lost mesh is made again" cmp "$R/mesh.msh" "$scratch/mesh.msh"
+check "a deleted mesh is made again" cmp "$R/mesh.msh" "$scratch/mesh.msh"
 
-# ---- the same tissue as a mesh of another version, its triangles clockwise
+# ---- the same tissue as a mesh of another format version, with clockwise triangles
 cp -p "$R/cases.h5" "$scratch/geo.h5"
 (cd "$work/fem" && sed -i 's/Plane Surface(1) = {1, 2};/Plane Surface(1) = {-1, 2};/' bean.geo &&
     gmsh -v 1 -2 -clmin 14 -clmax 14 -format msh41 bean.geo -o bean.msh >/dev/null 2>&1)
 sed -i -e 's/bean.geo/bean.msh/' -e '/^\[lattice\]/,/^size_m/d' "$work/$study"
 make_tiny mesh
-check "MSH 4.1 is taken as well" exited 0
-check "triangles that run clockwise are turned, with a note" says "triangles of fem/bean.msh ran clockwise and were turned"
-check "the tissue is the same: nodes, held edges" "$PYTHON" - "$R/mesh.msh" "$scratch/geo.h5" <<'PY'
+check "a mesh in MSH 4.1 is accepted" exited 0
+check "clockwise triangles are reversed, with a note" says "triangles of fem/bean.msh were clockwise and were turned"
+check "the mesh has the same number of nodes and the same extent as the .geo" "$PYTHON" - "$R/mesh.msh" "$scratch/geo.h5" <<'PY'
 import sys
 import h5py
 import numpy as np
@@ -135,11 +135,11 @@ with h5py.File(sys.argv[2]) as c:
     assert len(nodes) == len(c["nodes"]) and np.ptp(nodes, axis=0).max() == np.ptp(c["nodes"][()], axis=0).max()
 PY
 
-# ---- a stone in it
+# ---- a stiff region
 printf '\n[material.regions.stone]\nC1_Pa = 8000\n' >>"$work/$study"
 make_tiny cases -j2
-check "a named region takes a material of its own" exited 0
-check "the stone is felt: more force at the same contacts" "$PYTHON" - "$R/cases.h5" "$scratch/geo.h5" <<'PY'
+check "make cases with a material for a named region succeeds" exited 0
+check "the stiff region increases the force at the same contacts" "$PYTHON" - "$R/cases.h5" "$scratch/geo.h5" <<'PY'
 import sys
 import h5py
 import numpy as np
@@ -150,43 +150,43 @@ with h5py.File(sys.argv[1]) as hard, h5py.File(sys.argv[2]) as soft:
     assert min(ratio) > 1 and max(ratio) < 8, ratio
 PY
 
-# ---- refusals: one line that names file, place and cause; the mesh there was stays
+# ---- refusals: one line that names file, place and cause; the earlier mesh is unchanged
 cp -p "$work/$study" "$scratch/good.toml"
 cp -p "$work/fem/bean.msh" "$scratch/bean.msh"
 refused() { # SENTENCE LINE-PATTERN
     cp -p "$R/mesh.msh" "$scratch/mesh.msh"
     make_tiny mesh
     check "$1: make fails" failed
-    check "$1: one line says so" one_line "$2"
-    check "$1: the mesh of before is untouched" cmp "$R/mesh.msh" "$scratch/mesh.msh"
+    check "$1: one line states the cause" one_line "$2"
+    check "$1: the earlier mesh is unchanged" cmp "$R/mesh.msh" "$scratch/mesh.msh"
     cp -p "$scratch/good.toml" "$work/$study"
     cp "$scratch/bean.msh" "$work/fem/bean.msh"
 }
 edit 'fixed = .*' 'fixed = ["chair"]'
-refused "no curve of that name" "fem/bean.msh: has no physical curve 'chair'; it has: table, inner"
+refused "an unknown curve" "fem/bean.msh: has no physical curve 'chair'; it has: table, inner"
 edit 'fixed = .*' 'fixed = ["inner"]'
-refused "a held curve inside the tissue" "fem/bean.msh: the fixed curve at (.*) m is not on the outline"
+refused "a fixed curve inside the tissue" "fem/bean.msh: the fixed curve at (.*) m is not on the outline"
 edit 'regions.stone' 'regions.pebble'
-refused "no surface of that name" "fem/bean.msh: has no physical surface 'pebble'; it has: flesh, stone"
+refused "an unknown region" "fem/bean.msh: has no physical surface 'pebble'; it has: flesh, stone"
 edit 'bean.msh' 'pea.msh'
-refused "a shape that is not there" "tiny.toml:[0-9]*: key 'geometry.shape': there is no file fem/pea.msh"
+refused "a missing shape" "tiny.toml:[0-9]*: key 'geometry.shape': there is no file fem/pea.msh"
 edit 'bean.msh' 'bean.stl'
-refused "a shape of another kind" "key 'geometry.shape': 'bean.stl' must be block, or a file that ends in .geo or .msh\|ends in .geo or .msh"
+refused "a shape's file of another kind" "key 'geometry.shape': 'bean.stl' must be block, or a file that ends in .geo or .msh\|ends in .geo or .msh"
 edit 'preset = .*' 'preset = "granite"'
-refused "a material that is not there" "key 'material.preset': 'granite' is not a material; there are: brain, liver, muscle"
+refused "an unknown material" "key 'material.preset': 'granite' is not a material; there are: brain, liver, muscle"
 edit 'topology = .*' 'topology = "grid8"'
 refused "a lattice on a shape" "key 'springs.topology': 'grid8' is not allowed; allowed: edges"
 head -c 2000 "$scratch/bean.msh" >"$work/fem/bean.msh"
-refused "a mesh that breaks off" "fem/bean.msh: gmsh cannot read"
+refused "a truncated mesh" "fem/bean.msh: gmsh cannot read"
 (cd "$work/fem" && sed 's/^Plane Surface(1).*/Plane Surface(1) = {1, 2}; Recombine Surface{1};/' bean.geo >quad.geo &&
     gmsh -v 1 -2 -format msh41 quad.geo -o bean.msh >/dev/null 2>&1)
-refused "quadrilaterals" "element [0-9]* is a quadrilateral; a tissue is of straight triangles"
+refused "quadrilaterals" "element [0-9]* is a quadrilateral; a tissue needs straight triangles"
 printf 'Point(1)={0,0,0};Point(2)={100,0,0};Point(3)={100,100,0};Line(1)={1,2};Line(2)={2,3};Curve Loop(1)={1,2};Plane Surface(1)={1};Physical Curve("table")={1};Physical Surface("flesh")={1};\n' >"$work/fem/open.geo"
 sed -e 's/bean.msh/open.geo/' -e '/regions.stone/,$d' "$scratch/good.toml" >"$work/$study"
 printf '\n[lattice]\nsize_m = 0.01\n' >>"$work/$study"
 make_tiny mesh
 check "an outline that is not closed: make fails" failed
-check "an outline that is not closed: it says so" says "fem/open.geo: gmsh cannot read or mesh it: .*closed"
+check "an outline that is not closed: a line states the cause" says "fem/open.geo: gmsh cannot read or mesh it: .*closed"
 sed -e 's/^refine = .*/refine = 1/' -e 's/open.geo/bean.geo/' -i "$work/$study"
 tissuectl plan --study $study --out results/tiny/plan.mk
 check "finite elements longer than half a patch are refused" one_line "key 'mesh.refine': must make finite elements"

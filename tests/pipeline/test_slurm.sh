@@ -1,7 +1,7 @@
 #!/bin/bash
-# A study on a cluster: Debian's own Slurm and munge, started here with two nodes on this machine, on ports of their own.
-# Every load path is a step, a solid's too; a step that is killed and a job that is put back into the queue lose nothing;
-# the results have the contents of a run without Slurm.
+# A study on a cluster: Debian's Slurm and munge, started here with two nodes on this machine and separate ports. Every
+# load path is a step, also in space. A killed step and a requeued job lose no result. The results equal those of a run
+# without Slurm.
 . "$(dirname "$0")/common"
 for program in munged slurmctld slurmd sbatch srun scancel scontrol squeue; do
     PATH=$PATH:/usr/sbin command -v $program >/dev/null || {
@@ -19,13 +19,13 @@ export SLURM_CONF=$cluster/slurm.conf
 daemons=
 tear_down() {
     [ -z "${job-}" ] || timeout 10 scancel --full "$job" 2>/dev/null
-    # shellcheck disable=SC2086  # process ids are words of their own
+    # shellcheck disable=SC2086  # process ids are separate words
     [ -z "$daemons" ] || { kill $daemons; sleep 0.5; kill -9 $daemons; wait $daemons; } 2>/dev/null
     clean_up
 }
 trap tear_down EXIT
 
-daemon() { # NAME COMMAND...: in the foreground of a child of ours, so that its process id is known
+daemon() { # NAME COMMAND...: runs it as a child in the foreground, so its process id is known
     name=$1
     shift
     "$@" >"$cluster/$name.out" 2>&1 </dev/null &
@@ -84,12 +84,12 @@ if ! start_cluster; then
     finish
 fi
 
-# ---- a study of four load paths, and a FreeFEM that says on which step it ran, and does not go on with a path while there
-# is a file of its name in hold/: so that what is to be killed is at work, however busy the machine
+# ---- a study of four load paths. The substitute for FreeFEM notes its step, and waits with a load path while hold/
+# contains a file of its name, so a step that is to be killed is running even on a busy machine.
 make_copy
 edit '^  { name = "top".*' '&\n  { name = "right", contact_m = [0.10, 0.05], push = [-1, -0.5] },\n  { name = "corner", contact_m = [0.10, 0.10], push = [-1, -1] },'
 make_tiny eval -j2
-check "the study is solved without Slurm to begin with" exited 0
+check "the study is solved without Slurm" exited 0
 cp -R "$R" "$scratch/local"
 
 mkdir "$scratch/slow" "$scratch/hold"
@@ -103,19 +103,19 @@ exec $(command -v FreeFem++-nw) "\$@"
 SH
 chmod +x "$scratch/slow/FreeFem++-nw"
 
-submit() { # STUDY TARGET: starts it from nothing; its job id in $job
+submit() { # STUDY TARGET: submits it with an empty results folder; its job id is in $job
     rm -rf "$work/results/$1"
     : >"$scratch/steps"
     job=$(cd "$work" && PATH=$scratch/slow:$PATH sbatch --parsable --nodes=2 --output="$said" scripts/slurm/study.sbatch "$1" "$2")
 }
 state() { scontrol show job "$job" | sed -n 's/.*JobState=\([A-Z]*\).*/\1/p'; }
-ended() { case $(state) in COMPLETED | FAILED | CANCELLED | TIMEOUT | NODE_FAIL) ;; *) return 1 ;; esac; }  # no word is no end
+ended() { case $(state) in COMPLETED | FAILED | CANCELLED | TIMEOUT | NODE_FAIL) ;; *) return 1 ;; esac; }  # an empty state is not an end
 completed() { [ "$(state)" = COMPLETED ] || { state; tail -n 3 "$cluster/slurmctld.out"; cat "$said"; return 1; }; }
 begun() { [ "$(wc -l <"$scratch/steps")" -ge "$1" ]; }
 solved() { [ -s "$R/cases/$1.csv" ]; }
-times() { grep -c " $1\$" "$scratch/steps"; }  # a path was begun
+times() { grep -c " $1\$" "$scratch/steps"; }  # number of starts of a load path
 
-kill_step() { # PATH: kills the step that solves it, while it does; then lets it go on
+kill_step() { # PATH: kills the step that solves it, then releases the load path
     wait_for grep -q " $1\$" "$scratch/steps"
     step=$(sed -n "s/ .* $1\$//p" "$scratch/steps")
     scancel "$step"
@@ -124,31 +124,31 @@ kill_step() { # PATH: kills the step that solves it, while it does; then lets it
 }
 gone() { ! squeue --steps --noheader --format=%i | grep -qx "$step"; }
 
-# ---- undisturbed but for one step, which is killed while it runs
+# ---- one step is killed while it runs
 touch "$scratch/hold/left"
 submit tiny eval
 kill_step left
 wait_for ended
-check "a job completes though one of its steps was killed" completed
-check "the killed load path was tried again" test "$(times left)" = 2
-check "no other was" test "$(times top) $(times right) $(times corner)" = "1 1 1"
-check "it says which path was lost, and that it tries again" sh -c "grep -q 'cases/left.csv' '$said' && grep -q 'try 2' '$said'"
-check "every load path was a step of its own" test "$(cut -d' ' -f1 "$scratch/steps" | sort -u | grep -c "^$job\.[0-9]")" = 5
-check "both nodes worked" test "$(cut -d' ' -f2 "$scratch/steps" | sort -u | tr '\n' ' ')" = "one two "
-check "the results have the contents of the run without Slurm" same_contents "$R" "$scratch/local"
-check "no half-written file is left" no_half_files "$R"
+check "a job completes although one of its steps was killed" completed
+check "the load path of the killed step is solved again" test "$(times left)" = 2
+check "no other load path is solved again" test "$(times top) $(times right) $(times corner)" = "1 1 1"
+check "the output names the failed load path and the second try" sh -c "grep -q 'cases/left.csv' '$said' && grep -q 'try 2' '$said'"
+check "every load path is a separate step" test "$(cut -d' ' -f1 "$scratch/steps" | sort -u | grep -c "^$job\.[0-9]")" = 5
+check "both nodes run steps" test "$(cut -d' ' -f2 "$scratch/steps" | sort -u | tr '\n' ' ')" = "one two "
+check "the results equal those without Slurm" same_contents "$R" "$scratch/local"
+check "no incomplete file is left" no_half_files "$R"
 
-# ---- killed as a whole half-way, and put back into the queue
+# ---- a job is killed half-way and requeued
 touch "$scratch/hold/top" "$scratch/hold/right" "$scratch/hold/corner"
 submit tiny eval
 wait_for solved left
-wait_for begun 3  # the two that a job of two tasks began with, and the one after left
-# Slurm tells the second only of when a job's credential was made and when its former one was revoked: a job that starts again
-# in the second in which it was killed is refused by its nodes, and has failed. So a requeued job waits as long as a
-# credential lives, two minutes; that second is all we wait for. A job that is back in the queue is killed no more.
+wait_for begun 3  # the first two load paths of a job of two tasks, and the one after `left`
+# Slurm stores the times of a job's credential and of its revocation in whole seconds. A job that starts again in the
+# second in which it was killed is refused by its nodes and fails. A requeued job therefore waits for the lifetime of a
+# credential, two minutes. This test waits only for the next second. A job that is pending again is not killed any more.
 refusals() { grep -c "Killing non-startable batch JobId=$job:" "$cluster/slurmctld.out"; }
 queued() { [ "$(state)" = PENDING ]; }
-started_or_ended() { begun 4 || ended; }  # 4: one more than were begun before
+started_or_ended() { begun 4 || ended; }  # 4: one more than before
 start_again() {
     for try in 1 2 3; do
         refused=$(refusals)
@@ -156,33 +156,33 @@ start_again() {
         sleep 2
         scontrol update JobId="$job" StartTime=now && wait_for started_or_ended || return 1
         if begun 4; then return; fi
-        [ "$(refusals)" -gt "$refused" ] || break  # what Slurm refused may be asked again; nothing else
+        [ "$(refusals)" -gt "$refused" ] || break  # only a refused start is tried again
     done
     echo "job $job is $(state) after $try tries; slurmctld:"
     tail -n 5 "$cluster/slurmctld.out"
     return 1
 }
-check "a job that is killed half-way and put back into the queue starts again" start_again
+check "a job that is killed half-way and requeued starts again" start_again
 rm "$scratch/hold"/*
 wait_for ended
-check "it completes" completed
-check "what was solved before was not solved again" test "$(times left)" = 1
-check "its results have the contents of the run without Slurm" same_contents "$R" "$scratch/local"
+check "a requeued job completes" completed
+check "a requeued job does not solve finished load paths again" test "$(times left)" = 1
+check "the results of a requeued job equal those without Slurm" same_contents "$R" "$scratch/local"
 
-# ---- a solid: every step makes a mesh of its own beside its CSV, and one of them is killed with its mesh there
+# ---- a solid: every step makes a mesh beside its CSV; one step is killed after its mesh is made
 solid_study >"$work/fem/studies/solid.toml"
 R=$work/results/solid
 run make PYTHON="$PYTHON" STUDY=solid eval -j2
-check "a solid's study is solved without Slurm to begin with" exited 0
+check "a solid's study is solved without Slurm" exited 0
 cp -R "$R" "$scratch/solid"
 killed=validation-0001
 touch "$scratch/hold/$killed"
 submit solid eval
 kill_step $killed
 wait_for ended
-check "a solid's job completes though a step was killed between its mesh and its CSV" completed
-check "the killed path alone was tried again" test "$(times $killed) $(wc -l <"$scratch/steps")" = "2 8"
-check "every path of the solid was a step of its own" test "$(cut -d' ' -f1 "$scratch/steps" | sort -u | grep -c "^$job\.[0-9]")" = 8
-check "a solid's results have the contents of the run without Slurm" same_contents "$R" "$scratch/solid"
-check "no mesh is left beside them" no_half_files "$R"
+check "a solid's job completes although a step was killed between its mesh and its CSV" completed
+check "only the load path of the killed step is solved again" test "$(times $killed) $(wc -l <"$scratch/steps")" = "2 8"
+check "every load path of the solid is a separate step" test "$(cut -d' ' -f1 "$scratch/steps" | sort -u | grep -c "^$job\.[0-9]")" = 8
+check "a solid's results equal those without Slurm" same_contents "$R" "$scratch/solid"
+check "no temporary mesh of the solid is left" no_half_files "$R"
 finish

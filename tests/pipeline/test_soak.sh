@@ -1,20 +1,21 @@
 #!/bin/sh
-# Alone: its ticks keep real time. With TISSUE_SOAK set, scripts/soak for half a minute, on a small solid: two sessions that learn at 1 kHz, with a page open and a hostile client beside them, hold what it judges.
+# Alone: its ticks keep real time. With TISSUE_SOAK set: scripts/soak for half a minute on a small solid. Two sessions
+# learn at 1 kHz, with an open page and a hostile client, and satisfy every criterion of scripts/soak.
 . "$(dirname "$0")/common"
-[ "${TISSUE_SOAK:-}" ] || { skip "two sessions that learn in real time hold what is judged" "asked for by TISSUE_SOAK=1: wants cores of its own"; finish; }
+[ "${TISSUE_SOAK:-}" ] || { skip "two sessions that learn in real time satisfy every criterion" "run with TISSUE_SOAK=1 on idle cores"; finish; }
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 export TISSUECTL TISSUE_HAPTIC
 make_copy
 solid_study >"$work/fem/studies/solid.toml"
 run make PYTHON="$PYTHON" STUDY=solid train -j2
-check "a solid is trained to begin with" exited 0
+check "make trains a solid" exited 0
 "$PYTHON" -B "$root/scripts/soak" --minutes 0.4 --model "$work/results/solid/model.h5" --out "$scratch/soak.json" --keep "$scratch/kept" >"$scratch/log" 2>&1
 status=$?
-check "the file says that all held" "$PYTHON" -c 'import json, sys
+check "the report states that all criteria are satisfied, with 24000 ticks" "$PYTHON" -c 'import json, sys
 report = json.load(open(sys.argv[1]))
 assert report["held"] and report["haptic"]["ticks"]["asked"] == 24000 and sys.argv[2] == "0", (report["broken"], open(sys.argv[3]).read())' "$scratch/soak.json" "$status" "$scratch/log"
 
-# the judges themselves, on a recording and a ledger with one thing wrong at a time
+# tests of the criteria, on a recording and session statistics with one fault at a time
 cat >"$scratch/wrong.py" <<'PY'
 import importlib.machinery, importlib.util, json, shutil, sys, types
 import h5py
@@ -44,14 +45,14 @@ ticks, recording = soak.judge_ticks(session, 24000)
 judged = {"ticks": ticks, "recording": recording, **soak.judge_energy(session)}
 print(*(name for name, promise in judged.items() if not promise["held"]))
 PY
-broken() { # WHAT PROMISE: that alone, or more with it, does not hold
+broken() { # WHAT PROMISE: with this fault that criterion (or more) is not satisfied
     "$PYTHON" -B "$scratch/wrong.py" "$root/scripts/soak" "$scratch/kept" "$1" >"$said" 2>&1
     grep -q -w -- "$2" "$said" || { cat "$said"; return 1; }
 }
-check "nothing wrong: all that is judged holds" sh -c '[ -z "$("$1" -B "$2" "$3" "$4" nothing)" ]' - "$PYTHON" "$scratch/wrong.py" "$root/scripts/soak" "$scratch/kept"
-check "a miss that the ledger does not have is noticed" broken "a tick later" ticks
-check "a tick that is not in the ledger is noticed" broken "a tick that nobody counted" recording
-check "a force that is not the ledger's is noticed" broken "a force in the dark" energy_at_the_port
-check "energy that no motion gave is noticed" broken "energy from nowhere" energy_at_the_port
-check "branches that burn more than the tool's work are noticed" broken "branches that burn more than there was" energy_of_the_branches
+check "without a fault every criterion is satisfied" sh -c '[ -z "$("$1" -B "$2" "$3" "$4" nothing)" ]' - "$PYTHON" "$scratch/wrong.py" "$root/scripts/soak" "$scratch/kept"
+check "an overrun that the session statistics do not contain is detected" broken "a tick later" ticks
+check "a tick that the session statistics do not contain is detected" broken "a tick that nobody counted" recording
+check "a force that disagrees with the session statistics is detected" broken "a force in the dark" energy_at_the_port
+check "energy that disagrees with the recorded motion is detected" broken "energy from nowhere" energy_at_the_port
+check "Maxwell branches that dissipate more than the tool's work are detected" broken "branches that burn more than there was" energy_of_the_branches
 finish

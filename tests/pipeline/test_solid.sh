@@ -1,6 +1,6 @@
 #!/bin/sh
-# A study of a solid block goes from mesh to report by itself; its files leave for other programs; what is of the plane alone
-# refuses them in one line.
+# A study of a solid block from mesh to report; exports of its files; and functions of the plane alone, which refuse
+# them with one line.
 . "$(dirname "$0")/common"
 make_copy
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}") || exit 1
@@ -31,15 +31,15 @@ TOML
 } >"$work/fem/studies/solid.toml"
 make_solid() { run make PYTHON="$PYTHON" STUDY=solid "$@"; }
 make_solid all -j2
-check "a solid's study runs from mesh to report" exited 0
+check "make all of a solid's study succeeds" exited 0
 figures="held_out held_out_force shape solid map"
-check "every figure of its plan is drawn, and the report's list is the plan's" sh -c 'for f in $1; do [ -s "$2/figures/$f.png" ] || exit 1; done
+check "every planned figure is drawn, and the report lists the same figures" sh -c 'for f in $1; do [ -s "$2/figures/$f.png" ] || exit 1; done
     [ "$(sed -n "s/^!\[\(.*\)\].*/\1/p" "$2/report.md" | tr "\n" " ")" = "$1 " ]' - "$figures" "$R"
-check "the report speaks of places on the top, tilt and the surface's nodes" sh -c \
+check "the report has columns x, y and tilt of contacts, errors over surface nodes, and no nan" sh -c \
     'grep -q "^| contact | x mm | y mm | tilt deg |" "$1" && grep -q "over the free nodes of the surface" "$1" && ! grep -q nan "$1"' - "$R/report.md"
-check "it says what each model and role is" sh -c 'for w in learned force_table untrained heuristic_a_patch uniform_patch; do grep -q "^- model \`$w\`: " "$1" || exit 1; done
+check "the report explains every model and every role" sh -c 'for w in learned force_table untrained heuristic_a_patch uniform_patch; do grep -q "^- model \`$w\`: " "$1" || exit 1; done
     for w in held_out held_out_near held_out_sideways; do grep -q "^- contacts of \`$w\`: " "$1" || exit 1; done' - "$R/report.md"
-check "the map has every place's force in both, and the report the contrast of eval.json" "$PYTHON" -c "import json, sys
+check "the map has forces of FE and model at every place, and the report has the contrast of eval.json" "$PYTHON" -c "import json, sys
 e, report = json.load(open(sys.argv[1] + '/eval.json')), open(sys.argv[1] + '/report.md').read()
 places, contrast = e['map']['places'], e['map']['contrast']
 assert [p['contact_m'] for p in places] == [[x, y, 0.05] for y in (0.05, 0.08) for x in (0.05, 0.08)], places
@@ -48,7 +48,7 @@ assert contrast['over_m'] == places[0]['contact_m'] and contrast['far_m'] == [pl
 assert abs(contrast['fe'] - places[0]['fe_N'] / places[3]['fe_N']) < 1e-9
 assert '%.3f times the force far from it' % contrast['fe'] in report
 assert not any('map' in role for role in e['closed_loop'])" "$R"
-check "a pair of discs has a force of its own in the cases, and errors of both in eval.json and the report" "$PYTHON" -c "import h5py, json, sys
+check "a pair of discs has two forces in the cases, and errors of both discs in eval.json and the report" "$PYTHON" -c "import h5py, json, sys
 e, report = json.load(open(sys.argv[1] + '/eval.json')), open(sys.argv[1] + '/report.md').read()
 two = e['two_tools']['held_out_two']
 pair, = two['pairs']
@@ -62,13 +62,13 @@ with h5py.File(sys.argv[1] + '/cases.h5') as cases:
     assert [name for name in cases['paths'] if 'second_force' in cases['paths'][name]] == ['held-out-two-0001']
 assert all(0 < tool['error']['learned'] < 1 for tool in pair['tools'])
 assert 'held_out_two' not in e['closed_loop'] and 'pairs of \`held_out_two\`' in report and '| held-out-two-0001 |' in report" "$R"
-check "report.html is there" exist "$R/report.html"
-check "figures and report.html are drawn without answers too" "$PYTHON" "$root/tests/pipeline/without_answers.py" "$R"
+check "make all writes report.html" exist "$R/report.html"
+check "figures and report.html are drawn without answers of the model" "$PYTHON" "$root/tests/pipeline/without_answers.py" "$R"
 run make PYTHON="$PYTHON" STUDY=solid -q all
-check "asked again, there is nothing to do" exited 0
+check "make all of a solid's study is then up to date" exited 0
 for file in cases model; do
     tissuectl info results/solid/$file.h5
-    check "info tells that $file.h5 is in space" says "in 3 dimensions"
+    check "info prints that $file.h5 is in 3 dimensions" says "in 3 dimensions"
 done
 
 # ---- exports read back
@@ -78,42 +78,42 @@ exported() { "$PYTHON" "$root/tests/pipeline/exported.py" "$@"; }
 for to in vtu csv numpy; do
     for file in cases model; do
         tissuectl export results/solid/$file.h5 --to $to --out "$out/$file-$to"
-        check "$file.h5 of a solid goes to $to" exited 0
+        check "export of a solid's $file.h5 to $to succeeds" exited 0
     done
 done
-check "VTK reads hexahedra of positive volume where cases.h5 has the nodes" exported cases-vtu "$out/cases-vtu" "$R/cases.h5"
-check "load paths in space as CSV read back to the last bit" exported cases-csv "$out/cases-csv" "$R/cases.h5"
-check "load paths in space as NumPy likewise" exported numpy "$out/cases-numpy" "$R/cases.h5"
-check "forces of tissue and hand, worked out from a law's tables in space, are the model's" exported law-csv "$out/model-csv" "$R/model.h5"
-check "and from the NumPy arrays" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
-check "VTK reads springs and boxes of the pressed law" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
+check "VTK reads hexahedra of positive volume at the nodes of cases.h5" exported cases-vtu "$out/cases-vtu" "$R/cases.h5"
+check "load paths in space exported as CSV are identical when read back" exported cases-csv "$out/cases-csv" "$R/cases.h5"
+check "load paths in space exported as NumPy are identical when read back" exported numpy "$out/cases-numpy" "$R/cases.h5"
+check "forces of tissue and tool computed from the CSV tables in space equal the model's" exported law-csv "$out/model-csv" "$R/model.h5"
+check "forces of tissue and tool computed from the NumPy arrays in space equal the model's" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
+check "VTK reads springs and hexahedra of the energy model at each case" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
 
-# ---- what is of the plane refuses, and harms nothing
+# ---- functions of the plane refuse files in space, and change no file
 snapshot "$R" >"$scratch/before"
 refused() { # SENTENCE WORDS COMMAND...
     sentence=$1 words=$2
     shift 2
     run timeout 60 "$@"
     check "$sentence: exit 1" exited 1
-    check "$sentence: one line says so" one_line "$words"
+    check "$sentence: one line states the cause" one_line "$words"
 }
 model=results/solid/model.h5 T=build/release/tissuectl
-check "a model in space plays on a device and pushes back" "$PYTHON" -c "import json, subprocess, sys
+check "a session with a model in space has a device force above 0.01 N" "$PYTHON" -c "import json, subprocess, sys
 words = sys.argv[1:] + '--seconds 1 --no-realtime --motion press --depth 0.005 --json'.split()
 statistics = json.loads(subprocess.run(words, stdout=subprocess.PIPE, check=True, timeout=120).stdout)
 assert statistics['force_max_N'] > 0.01, statistics" "$TISSUE_HAPTIC" "$R/model.h5"
 run timeout 300 "$TISSUE_HAPTIC" $model --check results/solid/cases.h5 --out "$work/realtime.json"
-check "its held-out contacts pressed in motion" exited 0
-check "rest, and where the static answer is" "$PYTHON" -c "import json, sys
+check "tissue-haptic --check of the test contacts succeeds" exited 0
+check "every moving indentation comes to rest within 1e-3 of the static answer" "$PYTHON" -c "import json, sys
 j = json.load(open(sys.argv[1]))
 assert all(p['rested'] for p in j['presses']) and j['static_error']['max'] < 1e-3, j['static_error']" "$work/realtime.json"
 refused "a SOFA scene of a model in space" "model.h5: is an energy model, and SOFA has no force field" $T export $model --to sofa --out "$out/x.scn"
-check "no file was begun" absent "$out/x.scn"
-refused "cases in space for a study in the plane" "144 nodes that are not the 11 x 11 lattice" \
+check "a refused SOFA scene leaves no file" absent "$out/x.scn"
+refused "cases in space for a study in the plane" "144 nodes, which are not those of the 11 x 11 lattice" \
     $T train --study fem/studies/surface-quick.toml --cases results/solid/cases.h5 --out results/solid/model.h5
-refused "variants of such a study" "144 nodes that are not the 11 x 11 lattice" \
+refused "an ablation with cases in space for a study in the plane" "144 nodes, which are not those of the 11 x 11 lattice" \
     $T ablate --study fem/studies/surface-quick.toml --cases results/solid/cases.h5 --out "$out/ablation.json"
-# the same cases, flattened: all that is said along three axes is said along two
+# the same cases without their third axis
 "$PYTHON" -c "import h5py, sys
 with h5py.File(sys.argv[1]) as a, h5py.File(sys.argv[2], 'w') as b:
     b.attrs.update({key: value for key, value in a.attrs.items() if key != 'dimension'})
@@ -125,13 +125,13 @@ with h5py.File(sys.argv[1]) as a, h5py.File(sys.argv[2], 'w') as b:
         b[name].attrs.update(item.attrs)
     a.visititems(put)" "$R/cases.h5" "$work/flat.h5"
 tissuectl info flat.h5
-check "the flattened cases are cases" exited 0
-refused "cases in the plane for a study in space" "flat.h5: \|144 nodes that are not" \
+check "info reads the flattened cases" exited 0
+refused "cases in the plane for a study in space" "flat.h5: \|144 nodes, which are not" \
     $T train --study fem/studies/solid.toml --cases flat.h5 --out results/solid/model.h5
 refused "cases in the plane for a model in space" "flat.h5: \|nodes" \
     $T eval --study fem/studies/solid.toml --model $model --cases flat.h5 --out results/solid/eval.json
 printf 'x_m,y_m,ux_m,uy_m,fx_N,fy_N\n' >"$work/data.csv"
 refused "measured data of a solid" "solid.toml: " $T import data.csv --study fem/studies/solid.toml --out "$out/import.h5"
-refused "a shape of a solid" "study 'solid' is of the block" $T shape --study fem/studies/solid.toml --mesh fem/block.geo --out "$out/shape.msh"
-check "refusals leave results untouched" only_changed "$scratch/before" "$R" ""
+refused "a shape of a solid" "study 'solid' has a block" $T shape --study fem/studies/solid.toml --mesh fem/block.geo --out "$out/shape.msh"
+check "refusals do not change results" only_changed "$scratch/before" "$R" ""
 finish

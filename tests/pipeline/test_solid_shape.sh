@@ -1,6 +1,6 @@
 #!/bin/sh
-# Long: A closed surface in space, end to end: a .geo on its bed, the same as a mesh of tetrahedra and as an .stl, exports, and what
-# is refused with one line.
+# Long: A closed surface in space, end to end: a .geo on its bed, the same as a mesh of tetrahedra and as an .stl,
+# exports, and refusals with one line.
 . "$(dirname "$0")/common"
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 make_copy
@@ -51,7 +51,7 @@ topology = "embedded"
 spacing_m = 0.008
 terms = ["spring.all", "cell.all", "contact.normal", "contact.imprint_normal", "contact.hardening"]
 TOML
-# ---- its surface is meshed anew where its unit is another: gmsh stands in that notes what it is asked for
+# ---- the surface is meshed again if its unit changes; the substitute for gmsh notes its arguments
 mkdir "$scratch/fake"
 cat >"$scratch/fake/gmsh" <<'SH'
 #!/bin/sh
@@ -64,38 +64,38 @@ for unit in 0.001 0.01 0.001; do
     (cd "$work" && PATH="$scratch/fake:$PATH" TISSUECTL=false scripts/solve_path results/unit one -shape fem/dome.geo -unit_m $unit -springs none.msh \
         -size_near 0.005 -size_far 0.02) >"$said" 2>&1
 done
-check "a surface that is kept is one of its unit: another unit meshes it anew, once" sh -c \
+check "a stored surface is used for its unit alone: each unit is meshed once" sh -c \
     'grep -o "clmin [^ ]*" "$0" | tr "\n" " " | grep -qx "clmin 5 clmin 0.5 " || { cat "$0"; exit 1; }' "$scratch/fake/gmsh.calls"
 
 make_dome() { run make PYTHON="$PYTHON" STUDY=dome "$@"; }
 make_dome contacts
-check "what is held and the contacts are drawn before any path is solved" exited 0
-check "the drawing says how many, and how much is held" says '^results/dome/contacts.png: train 2 places, 2 pushes; validation 1 places, 1 pushes; held_out 2 places, 2 pushes; [34][0-9] % of the surface is held$'
-check "the drawing is there, and no path" sh -c 'head -c 8 "$1/contacts.png" | tail -c 7 | grep -q PNG && ! ls "$1"/cases/*.csv 2>/dev/null' - "$R"
+check "make contacts succeeds before any load path is solved" exited 0
+check "make contacts prints the numbers of places and displacements, and the fixed part of the surface" says '^results/dome/contacts.png: train 2 places, 2 pushes; validation 1 places, 1 pushes; held_out 2 places, 2 pushes; [34][0-9] % of the surface is held$'
+check "make contacts writes a picture and solves no load path" sh -c 'head -c 8 "$1/contacts.png" | tail -c 7 | grep -q PNG && ! ls "$1"/cases/*.csv 2>/dev/null' - "$R"
 run make PYTHON="$PYTHON" STUDY=tiny contacts
-check "contacts of a study in the plane: one line, and no picture" one_line 'contacts are drawn of a study with a solid shape'
+check "make contacts of a study in the plane: one line states the cause" one_line 'contacts are drawn of a study with a solid shape'
 head -c 20000 "$R/mesh.msh" >"$scratch/mesh.msh"
 cp -pR "$R" "$scratch/cut" && cp "$scratch/mesh.msh" "$scratch/cut/mesh.msh"
 run "$PYTHON" "$root/scripts/figures/contacts.py" "$scratch/cut" "$scratch/cut.png"
-check "a mesh that is cut off: one line" one_line 'mesh.msh: is no whole mesh of a solid shape'
+check "contacts.py of a truncated mesh: one line states the cause" one_line 'mesh.msh: is no whole mesh of a solid shape'
 make_dome first -j2
-check "a first model of two paths" exited 0
-check "says of how many" says '^first  2 of 2 load paths to train on$'
-check "no other path is solved, and nothing of the whole study is there" sh -c '[ "$(ls "$1"/cases/*.csv | wc -l)" = 2 ] && [ ! -e "$1/model.h5" ]' - "$R"
+check "make first succeeds" exited 0
+check "make first prints its number of load paths" says '^first  2 of 2 load paths to train on$'
+check "make first solves two load paths and writes no model of the whole study" sh -c '[ "$(ls "$1"/cases/*.csv | wc -l)" = 2 ] && [ ! -e "$1/model.h5" ]' - "$R"
 cp -p "$R/cases/c01-t00-a000.csv" "$scratch/first.csv"
 run "$TISSUE_HAPTIC" "$R/first/model.h5" --seconds 0.1
-check "it plays" exited 0
+check "tissue-haptic plays the first model" exited 0
 run make PYTHON="$PYTHON" STUDY=measured first
-check "of measured pushes there is none: one line" one_line "first: study 'measured' has no load paths to train on"
+check "make first of a measured study: one line states the cause" one_line "first: study 'measured' has no load paths to train on"
 touch -d '1 hour ago' "$R/cases/c02-t00-a000.csv"
 cp -p Makefile "$scratch/Makefile"; sed 's/^first: .*/first:/' "$scratch/Makefile" >"$work/Makefile.late"
 run make -f Makefile.late PYTHON="$PYTHON" STUDY=dome first
-check "a path of an older mesh is not one that is solved" says '^first  1 of 2 load paths to train on$'
+check "make first ignores a load path that is older than the mesh" says '^first  1 of 2 load paths to train on$'
 rm "$work/Makefile.late"
 make_dome all -j2
-check "the whole study keeps the paths of the first" sh -c '[ -z "$(find "$1/cases/c01-t00-a000.csv" -newer "$2")" ]' - "$R" "$scratch/first.csv"
-check "a solid shape's study runs from mesh to report" exited 0
-# ---- a mesh with a sliver is made again: FreeFEM stands in that finds one twice
+check "make all keeps the load paths of make first" sh -c '[ -z "$(find "$1/cases/c01-t00-a000.csv" -newer "$2")" ]' - "$R" "$scratch/first.csv"
+check "make all of a solid shape's study succeeds" exited 0
+# ---- a mesh with a sliver is made again; the substitute for FreeFEM reports a sliver twice
 mkdir "$scratch/finds"
 cat >"$scratch/finds/FreeFem++-nw" <<SH
 #!/bin/sh
@@ -106,11 +106,11 @@ SH
 chmod +x "$scratch/finds/FreeFem++-nw"
 cp -p "$R/cases/c01-t00-a000.csv" "$scratch/before.csv" && rm "$R/cases/c01-t00-a000.csv"
 PATH="$scratch/finds:$PATH" make_dome "results/dome/cases/c01-t00-a000.csv"
-check "a path whose mesh has a sliver twice is solved on a third" exited 0
-check "of other triangles" sh -c '[ "$(wc -l <"$2.calls")" = 3 ] && tail -n 1 "$1" | grep -q "^end" && ! cmp -s "$1" "$3"' - "$R/cases/c01-t00-a000.csv" "$scratch/finds/FreeFem++-nw" "$scratch/before.csv"
+check "a load path whose mesh has a sliver twice is solved on a third mesh" exited 0
+check "the third mesh gives a complete load path, different from the first one" sh -c '[ "$(wc -l <"$2.calls")" = 3 ] && tail -n 1 "$1" | grep -q "^end" && ! cmp -s "$1" "$3"' - "$R/cases/c01-t00-a000.csv" "$scratch/finds/FreeFem++-nw" "$scratch/before.csv"
 mv "$scratch/before.csv" "$R/cases/c01-t00-a000.csv"
-check "its results are there" exist "$R/mesh.msh" "$R/cases.h5" "$R/model.h5" "$R/eval.json" "$R/report.html" "$R/figures/solid.png"
-check "its lattice has the solid's volume, its first nodes are the solid's, one closed surface, held at points; forces are in balance" "$PYTHON" - "$R" <<'PY'
+check "make all of a solid shape's study writes all results" exist "$R/mesh.msh" "$R/cases.h5" "$R/model.h5" "$R/eval.json" "$R/report.html" "$R/figures/solid.png"
+check "the lattice has the solid's volume and first nodes, the surface is closed, and forces balance" "$PYTHON" - "$R" <<'PY'
 import sys
 import h5py
 import numpy as np
@@ -139,16 +139,16 @@ with h5py.File(sys.argv[1] + "/model.h5") as m, h5py.File(sys.argv[1] + "/cases.
         assert np.abs(f.sum(axis=1)).max() < 1e-6 * np.abs(f).max(), (name, np.abs(f.sum(axis=1)).max() / np.abs(f).max())
         assert np.abs(u).max() < 1.5 * p["magnitude"][-1], name
 PY
-check "held-out contacts have numbers" "$PYTHON" - "$R" <<'PY'
+check "the test set has errors of the learned model" "$PYTHON" - "$R" <<'PY'
 import json, sys
 loop = json.load(open(sys.argv[1] + "/eval.json"))["closed_loop"]["held_out"]
 assert loop["learned"]["n"] == 2 and 0 < loop["learned"]["median"] < 0.5, loop["learned"]
 PY
-check "the report speaks of its surface" grep -q "^Tools press the free surface of the tissue" "$R/report.md"
+check "the report states that tools act on the free surface" grep -q "^Tools press the free surface of the tissue" "$R/report.md"
 run make PYTHON="$PYTHON" STUDY=dome -q all
-check "asked again, there is nothing to do" exited 0
+check "make all of a solid shape's study is then up to date" exited 0
 tissuectl info results/dome/model.h5
-check "info tells that the model is in space" says "in 3 dimensions"
+check "info prints that the model is in 3 dimensions" says "in 3 dimensions"
 
 # ---- exports read back
 out=$scratch/out
@@ -157,31 +157,31 @@ exported() { "$PYTHON" "$root/tests/pipeline/exported.py" "$@"; }
 for to in vtu csv numpy; do
     for file in cases model; do
         tissuectl export results/dome/$file.h5 --to $to --out "$out/$file-$to"
-        check "$file.h5 of a solid shape goes to $to" exited 0
+        check "export of a solid shape's $file.h5 to $to succeeds" exited 0
     done
 done
-check "VTK reads tetrahedra where cases.h5 has the nodes" exported cases-vtu "$out/cases-vtu" "$R/cases.h5"
-check "load paths as CSV read back to the last bit" exported cases-csv "$out/cases-csv" "$R/cases.h5"
-check "load paths as NumPy likewise" exported numpy "$out/cases-numpy" "$R/cases.h5"
-check "forces of tissue and hand, worked out from the law's tables, are the model's" exported law-csv "$out/model-csv" "$R/model.h5"
-check "and from the NumPy arrays" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
-check "VTK reads springs and cubes of the pressed law" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
+check "VTK reads tetrahedra at the nodes of cases.h5" exported cases-vtu "$out/cases-vtu" "$R/cases.h5"
+check "load paths on a solid shape exported as CSV are identical when read back" exported cases-csv "$out/cases-csv" "$R/cases.h5"
+check "load paths on a solid shape exported as NumPy are identical when read back" exported numpy "$out/cases-numpy" "$R/cases.h5"
+check "forces of tissue and tool computed from the CSV tables of a solid shape equal the model's" exported law-csv "$out/model-csv" "$R/model.h5"
+check "forces of tissue and tool computed from the NumPy arrays of a solid shape equal the model's" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
+check "VTK reads springs and cubes of the energy model at each case" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
 tissuectl export results/dome/model.h5 --to vtp --out "$out/model-vtp"
-check "VTK reads the surface under each press as it is seen" exported law-vtp "$out/model-vtp" "$R/model.h5" "$out/model-csv"
+check "VTK reads the displayed surface of each case" exported law-vtp "$out/model-vtp" "$R/model.h5" "$out/model-csv"
 first=$(basename "$(find "$out/model-vtp" -name '*.vtp' | sort | head -n 1)" .vtp)
 tissuectl export results/dome/model.h5 --to glb --out "$out/rest" --set "$first"
-check "one press goes to glTF" exited 0
+check "export of one case to glTF succeeds" exited 0
 printf 'v 0 0 0\nv 90 0 0\nv 0 90 0\nf 1 2 3\n' >"$out/millimetres.obj"
 tissuectl export results/dome/model.h5 --to glb --out "$out/none" --set "$first" --surface "$out/millimetres.obj"
-check "a surface in another unit is refused" says "millimetres.obj: lies up to .* mm from the model, .* in another unit than 1 m"
+check "--surface in another unit is refused" says "millimetres.obj: is up to .* mm from the model, .* is its unit not 1 m"
 tissuectl export results/dome/model.h5 --to vtu --out "$out/none" --surface fem/dome.geo
-check "--surface is drawn by some formats alone" says "surface: is drawn by --to vtp and --to glb"
+check "--surface is refused for --to vtu" says "surface: needs --to vtp or --to glb"
 tissuectl export results/dome/cases.h5 --to glb --out "$out/none"
-check "and of a model alone" says "cases.h5: holds load cases; --to glb draws what a model.h5 answers"
+check "export of load cases to glTF is refused" says "cases.h5: has load cases; --to glb draws the surface of a model.h5"
 
 run "$TISSUE_HAPTIC" results/dome/model.h5 --seconds 0.2
-check "it plays" exited 0
-check "in Python its surfaces go with it by name" env PYTHONPATH="$root/build/release/python" "$PYTHON" - "$work/results/dome/model.h5" "$scratch/boundary.obj" <<'PY'
+check "tissue-haptic plays the model of a solid shape" exited 0
+check "Python sessions have named surfaces that move with the tissue" env PYTHONPATH="$root/build/release/python" "$PYTHON" - "$work/results/dome/model.h5" "$scratch/boundary.obj" <<'PY'
 import sys
 import numpy as np
 import tissue
@@ -207,11 +207,11 @@ for wrong in (lambda: session.surface("liver"), lambda: session.add_surface("org
     assert False
 PY
 
-# ---- one half of the table an elastic bed, about as stiff as the tissue, the other rigid: the law knows it from the study
+# ---- one half of the support is an elastic bed, about as stiff as the tissue, the other half is rigid
 sed 's/^fixed = .*/fixed = ["box -1 -1 -1 to 1 0.006 0.00001", "box -1 0.006 -1 to 1 1 0.00001"]\nbed_Pa_m = [2e5, 0.0]/' "$work/$study" >"$work/fem/studies/bedded.toml"
 run make PYTHON="$PYTHON" STUDY=bedded eval -j2
-check "half on an elastic bed a study runs as well" exited 0
-check "what lies on the bed moves, what does not stays, contact, bed and supports are in balance, and the law is as good on it" "$PYTHON" - "$R" "$work/results/bedded" <<'PY'
+check "make eval with one half on an elastic bed succeeds" exited 0
+check "only nodes on the elastic bed move, forces balance, and the test error is below twice that on a rigid bed" "$PYTHON" - "$R" "$work/results/bedded" <<'PY'
 import json, sys
 import h5py
 import numpy as np
@@ -233,7 +233,7 @@ errors = [json.load(open(folder + "/eval.json"))["closed_loop"]["held_out"]["lea
 assert errors[1]["n"] == errors[1]["of"] == 2 and errors[1]["max"] < 2 * errors[0]["max"] and errors[1]["shape"]["max"] < errors[0]["shape"]["max"], errors
 PY
 
-# ---- a nodule in it: contacts over it and at the mirror image, where there is none
+# ---- a nodule: contacts over it, and at its mirror image without a nodule
 stone=fem/studies/stone.toml
 cat >"$work/$stone" <<'TOML'
 based_on = "dome"
@@ -255,9 +255,9 @@ contacts = [
 terms = ["spring.all", "cell.all", "spring.nodule", "contact.normal", "contact.imprint_normal", "contact.hardening", "contact.normal.ground"]
 TOML
 run make PYTHON="$PYTHON" STUDY=stone eval
-check "a solid shape with a nodule goes from mesh to evaluation" exited 0
+check "make eval of a solid shape with a nodule succeeds" exited 0
 tissuectl export results/stone/model.h5 --to csv --out "$out/stone"
-check "the force over a nodule is larger than at the mirror image, in finite elements and in the law" "$PYTHON" - "$work/results/stone" "$out/stone/presses.csv" <<'PY'
+check "the force over a nodule exceeds that at the mirror image, in finite elements and in the energy model" "$PYTHON" - "$work/results/stone" "$out/stone/presses.csv" <<'PY'
 import csv, json, sys
 import h5py
 import numpy as np
@@ -273,7 +273,7 @@ assert law_over / law_beside > 1 + 0.5 * (over / beside - 1), (law_over, law_bes
 assert learned["trained"]["learned"]["max"] < 0.1, learned["trained"]["learned"]
 PY
 
-# ---- the same nodule by a surface: finite elements and the law feel the ball
+# ---- the same nodule as a surface: finite elements and energy model give almost the same results
 "$PYTHON" - "$work/fem/stone.obj" <<'PY'
 import sys
 import numpy as np
@@ -293,8 +293,8 @@ PY
 sed -e '/^centre_m/d' -e 's|^radius_m.*|shape = "../stone.obj"|' -e '/at_m = \[-0.020/d' -e '/at_m = \[0.008/d' "$work/$stone" >"$work/fem/studies/carved.toml"
 printf '\n[draws.validation]\ncount = 1\n[draws.held_out]\ncount = 1\n' >>"$work/fem/studies/carved.toml"
 run make PYTHON="$PYTHON" STUDY=carved train
-check "a nodule by its surface goes from mesh to model" exited 0
-check "finite elements and the law feel the ball that it goes round" "$PYTHON" - "$work/results/stone" "$work/results/carved" <<'PY'
+check "make train with a nodule given by its surface succeeds" exited 0
+check "a nodule given by its surface has the FE force of the ball within 1 % and its extent in the model within 2 %" "$PYTHON" - "$work/results/stone" "$work/results/carved" <<'PY'
 import sys
 import h5py
 import numpy as np
@@ -311,8 +311,8 @@ assert abs(spread[1] / spread[0] - 1) < 0.02, spread
 PY
 touch "$work/fem/stone.obj"
 run make PYTHON="$PYTHON" STUDY=carved -n cases
-check "another surface is solved anew" says "solve_path results/carved c01"
-knows() { # SENTENCE STUDY
+check "a changed nodule surface solves load paths again" says "solve_path results/carved c01"
+knows() { # SENTENCE STUDY: compares the stiffness of springs in the nodule with that of all springs
     check "$1" "$PYTHON" - "$work/results/$2" <<'PY'
 import sys
 import h5py
@@ -326,19 +326,19 @@ with h5py.File(sys.argv[1] + "/model.h5") as m:
     assert np.median(own[inside]) > 2 * np.median(own)
 PY
 }
-knows "the law knows the nodule" stone
+knows "springs inside the nodule are more than twice as stiff as the median spring" stone
 cp -p "$work/$stone" "$scratch/stone.toml"
 wrong() { # SENTENCE SED LINE-PATTERN
     sed "$2" "$scratch/stone.toml" >"$work/$stone"
     run make PYTHON="$PYTHON" STUDY=stone mesh
     check "$1: make fails" failed
-    check "$1: one line says so" one_line "$3"
+    check "$1: one line states the cause" one_line "$3"
 }
-wrong "a nodule outside" 's/^centre_m.*/centre_m = [0.020, 0.0, 0.040]/' "stone.toml: key 'nodule.centre_m': (0.02, 0, 0.04) m is not inside fem/dome.geo"
-wrong "a nodule at the surface" 's/^radius_m.*/radius_m = 0.0125/' "stone.toml: key 'nodule.radius_m': .* mm from the surface of fem/dome.geo; a nodule of 12.5 mm needs 15.375 mm"
+wrong "a nodule outside of the shape" 's/^centre_m.*/centre_m = [0.020, 0.0, 0.040]/' "stone.toml: key 'nodule.centre_m': (0.02, 0, 0.04) m is not inside fem/dome.geo"
+wrong "a nodule too near to the surface" 's/^radius_m.*/radius_m = 0.0125/' "stone.toml: key 'nodule.radius_m': .* mm from the surface of fem/dome.geo; a nodule of 12.5 mm needs 15.375 mm"
 rm "$work/$stone"
 
-# ---- the same ball as a volume of the user's own
+# ---- the same ball as a named volume of the .geo
 sed 's/^Physical Volume.*/Sphere(9) = {20, 0, 16, 8}; BooleanFragments{ Volume{3}; Delete; }{ Volume{9}; Delete; }\nPhysical Volume("stone") = {9};\nrest[] = Volume{:}; rest[] -= {9}; Physical Volume("flesh") = {rest[]};/
   /^bed/d; s/^Physical Surface.*//' "$work/fem/dome.geo" >"$work/fem/pit.geo"
 cat >>"$work/fem/pit.geo" <<'GEO'
@@ -348,8 +348,8 @@ GEO
 pit=fem/studies/pit.toml
 sed -e 's|^\[nodule\]|[geometry]\nshape = "../pit.geo"\ntrust_geo = true\n[lattice]\nsize_m = 0.014\n[material.regions.stone]|' -e 's/^\[springs\]/[springs]\nspacing_m = 0.008/' -e '/^centre_m/d' -e '/^radius_m/d' "$scratch/stone.toml" >"$work/$pit"
 run make PYTHON="$PYTHON" STUDY=pit eval
-check "a solid shape with a region of its own goes from mesh to evaluation" exited 0
-check "a ball as a named volume is felt as the nodule is" "$PYTHON" - "$work/results/pit" "$work/results/stone" <<'PY'
+check "make eval of a solid shape with a named volume succeeds" exited 0
+check "forces over a ball as a named volume are within 3 % of those over the nodule" "$PYTHON" - "$work/results/pit" "$work/results/stone" <<'PY'
 import sys
 import h5py
 import numpy as np
@@ -362,10 +362,10 @@ off = {n: pit[n] / stone[n] - 1 for n in pit}
 print(off)
 assert max(map(abs, off.values())) < 0.03, off
 PY
-knows "the law knows the volume as it does the nodule" pit
+knows "springs inside the named volume are more than twice as stiff as the median spring" pit
 sed -i 's/regions.stone/regions.peach/' "$work/$pit"
 run make PYTHON="$PYTHON" STUDY=pit mesh
-check "a region that the shape has not: one line says so" one_line "fem/pit.geo: has no physical volume 'peach'; it has: .*stone"
+check "an unknown named volume: one line states the cause" one_line "fem/pit.geo: has no physical volume 'peach'; it has: .*stone"
 rm "$work/$pit"
 
 # ---- the same tissue as a mesh of tetrahedra, and as an .stl
@@ -373,7 +373,7 @@ cp -p "$work/$study" "$scratch/geo.toml"
 (cd "$work/fem" && gmsh -v 1 -3 -clmin 14 -clmax 14 -format msh41 dome.geo -o dome.msh >/dev/null 2>&1)
 sed -i -e 's/dome.geo/dome.msh/' -e '/^\[lattice\]/,/^size_m/d' "$work/$study"
 make_dome mesh
-check "tetrahedra in MSH 4.1 are taken as well" exited 0
+check "tetrahedra in MSH 4.1 are accepted" exited 0
 cp -p "$work/$study" "$scratch/good.toml"
 cp -p "$work/fem/dome.msh" "$scratch/dome.msh"
 "$PYTHON" - "$work/fem/dome.stl" "$R/mesh.msh" <<'PY'
@@ -392,8 +392,8 @@ with open(sys.argv[1], "w") as out:
 PY
 sed 's/dome.geo/dome.stl/' "$scratch/geo.toml" >"$work/$study"
 make_dome mesh
-check "an .stl of named surfaces is filled" exited 0
-check "its tetrahedra fill what the .stl encloses, held on its table" "$PYTHON" - "$R/mesh.msh" <<'PY'
+check "make mesh of an .stl with named surfaces succeeds" exited 0
+check "the tetrahedra fill the volume of the .stl, and fixed nodes lie on its table" "$PYTHON" - "$R/mesh.msh" <<'PY'
 import sys
 import numpy as np
 lines = open(sys.argv[1]).read().split("\n")
@@ -406,43 +406,43 @@ assert 0.8 < volume / (2 / 3 * np.pi * 0.050 * 0.045 * 0.035) < 1.01, volume
 held = np.unique([n - 1 for w in elements if w[1] == 2 and w[3] == 1 for n in w[5:]])
 assert len(held) > 8 and np.abs(x[held, 2]).max() < 1e-9
 PY
-# of strangers, TISSUE_DAMAGED of each kind (15)
+# damaged files, TISSUE_DAMAGED of each kind (15)
 damaged() { (cd "$work" && "$PYTHON" "$root/tests/fuzz/damaged_shapes.py" "$1" dome "${TISSUE_DAMAGED:-15}"); }
-check "a damaged .stl is a mesh, or one line" damaged fem/dome.stl
+check "every damaged .stl gives a mesh or one line" damaged fem/dome.stl
 
-# ---- refusals: one line that names file, place and cause; the mesh there was stays
+# ---- refusals: one line that names file, place and cause; the earlier mesh is unchanged
 cp -p "$scratch/good.toml" "$work/$study"
 make_dome mesh
-check "a damaged .msh is a mesh, or one line" damaged fem/dome.msh
+check "every damaged .msh gives a mesh or one line" damaged fem/dome.msh
 edit3() { sed -i "s|$1|$2|" "$work/$study"; }
 refused() { # SENTENCE LINE-PATTERN
     cp -p "$R/mesh.msh" "$scratch/mesh.msh"
     make_dome mesh
     check "$1: make fails" failed
-    check "$1: one line says so" one_line "$2"
-    check "$1: the mesh of before is untouched" cmp "$R/mesh.msh" "$scratch/mesh.msh"
+    check "$1: one line states the cause" one_line "$2"
+    check "$1: the earlier mesh is unchanged" cmp "$R/mesh.msh" "$scratch/mesh.msh"
     cp -p "$scratch/good.toml" "$work/$study"
     cp "$scratch/dome.msh" "$work/fem/dome.msh"
 }
 edit3 'fixed = .*' 'fixed = ["chair"]'
-refused "no surface of that name" "fem/dome.msh: has no physical surface 'chair'; it has: table"
+refused "an unknown fixed surface" "fem/dome.msh: has no physical surface 'chair'; it has: table"
 edit3 'dome.msh' 'cone.msh'
-refused "a shape that is not there" "dome.toml:[0-9]*: key 'geometry.shape': there is no file fem/cone.msh"
+refused "a missing shape" "dome.toml:[0-9]*: key 'geometry.shape': there is no file fem/cone.msh"
 edit3 'dome.msh' 'dome.step'
-refused "a shape of another kind" "dome.step' must be a file that ends in .geo, .msh, .stl, .obj"
+refused "a shape's file of another kind" "dome.step' must be a file that ends in .geo, .msh, .stl, .obj"
 (cd "$work/fem" && sed '/Physical Volume/d' dome.geo >skin.geo && gmsh -v 1 -2 -clmin 14 -clmax 14 -format msh41 skin.geo -o dome.msh >/dev/null 2>&1)
 refused "a surface without tetrahedra" "fem/dome.msh: has no tetrahedra: is its surface closed, and its volume in a physical group?"
 head -c 3000 "$scratch/dome.msh" >"$work/fem/dome.msh"
-refused "a mesh that breaks off" "fem/dome.msh: gmsh cannot read"
+refused "a truncated mesh" "fem/dome.msh: gmsh cannot read"
 (cd "$work/fem" && sed 's/^Physical Volume.*/Box(9) = {200, 0, 0, 30, 30, 30}; Physical Volume("flesh") = {3, 9};/' dome.geo >two.geo &&
     gmsh -v 1 -3 -clmin 14 -clmax 14 -format msh41 two.geo -o dome.msh >/dev/null 2>&1)
-refused "two pieces" "fem/dome.msh: the surface is not one closed one: the tissue has a cavity, or another piece, at (.*) m"
+refused "a tissue of two pieces" "fem/dome.msh: the surface is not a single closed surface: the tissue has a cavity or a second part at (.*) m"
 (cd "$work/fem" && sed 's/^bed.*/Cylinder(9) = {0, 0, -1, 0, 0, 80, 15}; BooleanDifference(10) = { Volume{3}; Delete; }{ Volume{9}; Delete; }; &/; s/Volume("flesh") = {3}/Volume("flesh") = {10}/' dome.geo >ring.geo &&
     gmsh -v 1 -3 -clmin 14 -clmax 14 -format msh41 ring.geo -o dome.msh >/dev/null 2>&1)
-refused "a hole through it" "fem/dome.msh: the surface has a hole through it.*is 0, not 2"
+refused "a tissue with a hole through it" "fem/dome.msh: the surface has a hole through it.*is 0, not 2"
 sed -i '/^\[loads.spread\]/,/^pushes_deg/d' "$work/$study"
 sed -i 's/^magnitudes_m.*/&\ncontacts = [{ at_m = [0.0, 0.0, 0.2], pushes_deg = [[0, 0]] }]/' "$work/$study"
-tissuectl plan --study $study --mesh results/dome/mesh.msh --out results/dome/plan.mk  # the shape is another than in the refusals before
+tissuectl plan --study $study --mesh results/dome/mesh.msh --out results/dome/plan.mk  # the shape differs from that of the refusals above
 tissuectl plan --study $study --mesh results/dome/mesh.msh --out results/dome/plan.mk
-check "a contact off the surface: one line says so" one_line "key 'loads.contacts\[0\].at_m': (0, 0, 0.2) m is [0-9.]* mm from the free surface"
+check "a contact off the surface: one line states the cause" one_line "key 'loads.contacts\[0\].at_m': (0, 0, 0.2) m is [0-9.]* mm from the free surface"
 finish

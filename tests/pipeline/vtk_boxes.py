@@ -1,4 +1,5 @@
-"""vtk_boxes.py FOLDER: writes a box of 80 x 60 x 50 as VTK's files, box.vtp (compressed) and box.vtk, both binary, and others that are no surface or damaged."""
+"""vtk_boxes.py FOLDER: writes a box of 80 x 60 x 50 as VTK files, box.vtp (compressed) and box.vtk, both binary, and
+others that are not a surface or are damaged."""
 import math
 import sys
 from pathlib import Path
@@ -27,7 +28,7 @@ def array(kind, name, values):
 
 
 def box():
-    """Five quadrilaterals and a strip; beside them a vertex, whose cell is the first, and a point that no facet has."""
+    """Five quadrilaterals and a strip, and a vertex, whose cell is the first. Its point belongs to no facet."""
     points = vtkPoints()
     points.SetDataTypeToDouble()
     for k in range(8):

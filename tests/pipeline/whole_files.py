@@ -1,5 +1,5 @@
-"""whole_files.py FOLDER...: exit 0 when every file in them is whole, else says which are not. What is in the making is called .tmp, and
-what programs say while they run .log."""
+"""whole_files.py FOLDER...: exits 0 if every file in them is complete; otherwise prints the incomplete ones. Unfinished
+files (.tmp) and logs (.log) are not read."""
 import json
 import sys
 from pathlib import Path
@@ -11,7 +11,7 @@ def all_of(file):
     """Reads every dataset and attribute."""
     with h5py.File(file) as h5:
         if "format_version" not in h5.attrs:
-            raise ValueError("does not say its format")
+            raise ValueError("has no format version")
         h5.visititems(lambda _, item: (dict(item.attrs), item[()] if isinstance(item, h5py.Dataset) else None))
 
 

@@ -1,5 +1,6 @@
-"""without_answers.py RESULTS: exit 0 when every figure of a study and its report.html are drawn where the learned model answers nowhere, and where
-finite elements lost all that was drawn. Its eval.json is changed so in a copy, as results/FORMATS.md has it.
+"""without_answers.py RESULTS: exits 0 if every figure of a study and its report.html are drawn without any answer of
+the learned model, and without any FE reference of the drawn contacts. Its eval.json is changed accordingly in a copy,
+in the format of results/FORMATS.md.
 """
 import json
 import shutil
@@ -10,7 +11,7 @@ from pathlib import Path
 
 
 def none_of(statistics, lost):
-    """All of its answers are missing, or all of its references."""
+    """Marks all answers, or with `lost` all references, as missing."""
     if not isinstance(statistics, dict):
         return
     if "no_reference" in statistics:

@@ -1,7 +1,9 @@
-"""What scripts say of well-formed JSON with wrong content: wrong_content.py ablation|motion|page|FIGURE FILE|RESULTS, FILE or RESULTS/eval.json being right as it is.
+"""Scripts on well-formed JSON with wrong content: wrong_content.py ablation|motion|page|FIGURE FILE|RESULTS. FILE or
+RESULTS/eval.json is correct.
 
-Takes away, or puts another type in place of, one value at a time, in the first element of each list, and runs the script on that; of many such changes on some
-drawn by seed. Wanted: it ends well, or with one line that names the file and exit status 2."""
+Removes one value at a time, or replaces it by another type, in the first element of each list, and runs the script. If
+there are many such changes, a sample drawn by a seed is run. The script must succeed, or end with exit status 2 and one
+line that names the file."""
 import contextlib
 import copy
 import importlib
@@ -21,7 +23,7 @@ matplotlib.use("Agg")
 
 
 class Gone:
-    """In place of a value that is taken away."""
+    """Stands for the removal of a value."""
 
 
 OTHERS = (Gone, [], {}, "text", None)
@@ -48,7 +50,7 @@ def with_other(value, place, other):
 
 
 def runner(name, file):
-    """Runs the script on the file as it is then; what it makes is not kept."""
+    """Returns a function that runs the script on the file; its output is not kept."""
     if name in ("ablation", "motion"):
         script = importlib.import_module(name)
         script.save = lambda figure, out: None
@@ -83,10 +85,10 @@ def main():
                 if place and end.code == 2 and said.getvalue().count("\n") == 1 and f"{file}: " in said.getvalue():
                     continue
                 print(f"{place}: {said.getvalue()}")
-            except Exception as error:  # noqa: BLE001  which a user would see as a traceback
+            except Exception as error:  # noqa: BLE001  a user would see a traceback
                 print(f"{place} {other}: {error!r}")
             wrong += 1
-    print(f"{len(changes)} changes, {refused} refused, {wrong} not as they should be")
+    print(f"{len(changes)} changes, {refused} refused, {wrong} with a wrong result")
     sys.exit(wrong > 0 or refused == 0)
 
 

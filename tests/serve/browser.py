@@ -1,4 +1,4 @@
-"""A headless Chromium and a `tissuectl serve` to look at, for test_page.py and screenshot.py."""
+"""A headless Chromium and a `tissuectl serve`, for the tests of the page and for screenshot.py."""
 import re
 import shutil
 import subprocess
@@ -11,7 +11,7 @@ FLAGS = ["--headless=new", "--no-sandbox", "--disable-background-networking",
 FLAT, SOLID = ["--disable-gpu"], ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]   # SOLID: WebGL, in software
 
 
-PATIENCE_S = 120  # what is waited for comes in less than a few; only a test that fails, or a busy machine, waits longer
+PATIENCE_S = 120  # longest wait; waits take a few seconds at most except in a failing test or on a busy machine
 
 
 class Missing(Exception):
@@ -19,7 +19,7 @@ class Missing(Exception):
 
 
 class Server:
-    """`tissuectl serve` with these options; port 0: any that is free. What it says goes to a file in `folder`."""
+    """`tissuectl serve` with these options; port 0: any free port. Its output goes to a file in `folder`."""
 
     def __init__(self, program, models, folder, *options, port=0):
         self.log = Path(folder) / "serve.log"
@@ -84,7 +84,7 @@ class Browser:
         self.cdp("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=mobile)
 
     def media(self, **features):
-        """prefers_color_scheme="dark" and the like."""
+        """Emulates media features, such as prefers_color_scheme="dark"."""
         self.cdp("Emulation.setEmulatedMedia",
                  features=[{"name": name.replace("_", "-"), "value": value} for name, value in features.items()])
 
@@ -95,7 +95,7 @@ class Browser:
         return self.driver.execute_script(f"return ({expression})", *arguments)
 
     def until(self, expression, seconds=PATIENCE_S):
-        """Waits until an expression is true; False when it never was."""
+        """Waits until an expression is true; False after the time."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             if self.js(expression):
@@ -104,12 +104,12 @@ class Browser:
         return False
 
     def after(self, states):
-        """Waits until the page has got so many states more."""
+        """Waits until the page has received this many more states."""
         return self.until(f"tissue.states >= {self.js('tissue.states') + states}")
 
     def rests(self, expression):
-        """Its value, once it is not zero and changes by less than one per cent over thirty states: tissue that swings away
-        from a tool has no force for a while, and does not rest."""
+        """Waits until the value is not zero and changes by less than 1 % over 30 states, and returns it. Zero does not
+        count as rest: tissue that oscillates away from the tool has no force for a while."""
         end = time.monotonic() + PATIENCE_S
         before = self.js(expression)
         while self.after(30):
@@ -119,7 +119,7 @@ class Browser:
             before = value
 
     def watch(self, expression, seconds):
-        """Its values, one for every state that the page gets meanwhile."""
+        """Values of an expression, one for every state that the page receives in this time."""
         return self.driver.execute_async_script(f"""
             const [seconds, done] = arguments, values = [], end = performance.now() + 1e3 * seconds;
             let seen = tissue.states;
@@ -137,11 +137,11 @@ class Browser:
         self.driver.find_element("id", name).click()
 
     def choose(self, name, value):
-        """An option of a <select>, by its value."""
+        """Selects an option of a <select> by its value."""
         self.driver.find_element("css selector", f"#{name} option[value='{value}']").click()
 
     def on_screen(self, *point_m):
-        """A point of the plane or of space, scrolled into view: CSS pixels."""
+        """CSS pixels of a point of the plane or of space, which is scrolled into view first."""
         point = "tissue.on_screen([...arguments])"
         x, y = self.js(point, *point_m)
         if not self.js("arguments[0] > 0 && arguments[0] < innerWidth && arguments[1] > 0 && arguments[1] < innerHeight", x, y):
@@ -159,7 +159,7 @@ class Browser:
         self.cdp("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button="left", buttons=int(down), clickCount=1)
 
     def drag(self, *way, steps=6):
-        """Puts the mouse button down at the first point [m] of the way and leads it along; it stays down."""
+        """Presses the mouse button at the first point [m] and moves along the others. The button stays down."""
         self.mouse("Pressed", *way[0])
         for a, b in zip(way, way[1:]):
             for k in range(1, steps + 1):
@@ -181,5 +181,5 @@ class Browser:
                          windowsVirtualKeyCode=number, **(text if kind == "keyDown" else {}))
 
     def complaints(self):
-        """What the console has seen of warnings and errors since the last time."""
+        """Warnings and errors of the console since the last call."""
         return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("WARNING", "SEVERE")]

@@ -1,5 +1,5 @@
-"""What `tissuectl serve` lets in and what not, over sockets: check_server.py PROGRAM MODEL SCRATCH
-Prints "ok - sentence", or "not ok - sentence" and what was seen; exits 1 if any failed."""
+"""Access rules and limits of `tissuectl serve`, over sockets: check_server.py PROGRAM MODEL SCRATCH
+Prints "ok - sentence", or "not ok - sentence" and the values seen; exits 1 if any failed."""
 import json
 import os
 import re
@@ -43,7 +43,7 @@ def refusal(port, **how):
 
 
 def ends(port, act):
-    """How a connection ends on which `act` was done."""
+    """End of a connection after act(client), as Client.ended() gives it."""
     client = Client(port)
     try:
         act(client)
@@ -65,31 +65,31 @@ def http(port):
         took.append(time.monotonic() - began)
         return took[-1] < 1
 
-    # some 0.01 s; the best of many, since the machine may be busy
-    check("the page and its parts come in under a second", wait_for(fetched) and all(p[0] == 200 for p in pages.values()), took)
+    # about 0.01 s; the best of many loads, because the machine may be busy
+    check("the page and its parts load in under a second", wait_for(fetched) and all(p[0] == 200 for p in pages.values()), took)
     policy = re.search(r"Content-Security-Policy: (.*)\r", pages["/"][1])
-    check("the page has a strict policy: nothing but its own", policy and "default-src 'none'" in policy[1]
+    check("the content security policy allows only resources of the page's own origin", policy and "default-src 'none'" in policy[1]
           and "unsafe" not in policy[1] and "script-src 'self'" in policy[1] and "*" not in policy[1], policy)
-    check("types are said and not guessed", "text/html" in pages["/"][1] and "text/css" in pages["/page.css"][1]
+    check("content types are declared, with nosniff", "text/html" in pages["/"][1] and "text/css" in pages["/page.css"][1]
           and "text/javascript" in pages["/page.js"][1] and all("nosniff" in p[1] for p in pages.values())
           and "text/javascript" in pages["/three.module.js"][1])
     status, head, body = get(port, "/page.js", "HEAD")
-    check("HEAD is GET without the body", status == 200 and body == b"" and f"Content-Length: {len(pages['/page.js'][2])}" in head, head)
+    check("HEAD has the length of GET and no body", status == 200 and body == b"" and f"Content-Length: {len(pages['/page.js'][2])}" in head, head)
     answers = [get(port, "/", method) for method in ("POST", "PUT", "DELETE", "OPTIONS", "BREW")]
-    check("other methods: 405, with those allowed", all(a[0] == 405 and "Allow: GET, HEAD" in a[1] for a in answers[:4])
+    check("other methods: 405 with the allowed ones", all(a[0] == 405 and "Allow: GET, HEAD" in a[1] for a in answers[:4])
           and answers[4][0] in (400, 405), [a[0] for a in answers])
     check("other paths: 404", [get(port, p)[0] for p in ("/index.html", "/../Makefile", "/%2e%2e/etc/passwd", "//", "/surface")] == [404] * 5)
-    check("a Host that is a name: 403", [get(port, "/", host=h)[0] for h in ("evil.example", f"evil.example:{port}", "")] == [403] * 3)
-    check("a Host in digits or localhost is served", [get(port, "/healthz", host=h)[0] for h in (f"localhost:{port}", "[::1]:1", "10.0.0.1")] == [200] * 3)
-    check("a request of another Origin: 403", get(port, "/", headers="Origin: http://evil.example\r\n")[0] == 403)
-    check("no Host, or no HTTP: 4xx, or nothing", all(request(port, t)[9:10] in (b"4", b"") for t in
+    check("a Host that is a domain name, or an empty one: 403", [get(port, "/", host=h)[0] for h in ("evil.example", f"evil.example:{port}", "")] == [403] * 3)
+    check("a numeric Host or localhost is served", [get(port, "/healthz", host=h)[0] for h in (f"localhost:{port}", "[::1]:1", "10.0.0.1")] == [200] * 3)
+    check("a request from another Origin: 403", get(port, "/", headers="Origin: http://evil.example\r\n")[0] == 403)
+    check("a request without Host, or one that is not HTTP: 4xx or no answer", all(request(port, t)[9:10] in (b"4", b"") for t in
           ("GET / HTTP/1.1\r\nConnection: close\r\n\r\n", "hello\r\n\r\n", b"\x16\x03\x01\x02\x00\x01\xfc" + bytes(100),
            "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: " + "y" * 20000 + "\r\n\r\n")))
-    check("a body: refused", get(port, "/", headers="Content-Length: 5\r\n")[0] in (400, 413))
+    check("a request with a body: 400 or 413", get(port, "/", headers="Content-Length: 5\r\n")[0] in (400, 413))
     check("/ws without an upgrade: 426", get(port, "/ws")[0] == 426)
     wait_for(lambda: metrics(port)["tissue_ticks_total"] > 0)   # the first state comes with the 17th tick
     m = metrics(port)
-    check("metrics: what Prometheus reads, with ticks, times and refusals", m["tissue_ticks_total"] > 0 and m["tissue_misses_total"] >= 0
+    check("metrics: ticks, tick times and refusals are counted", m["tissue_ticks_total"] > 0 and m["tissue_misses_total"] >= 0
           and 0 < m['tissue_tick_seconds{quantile="0.5"}'] <= m['tissue_tick_seconds{quantile="0.99"}']
           and m['tissue_refused_total{reason="host"}'] >= 3 and m['tissue_refused_total{reason="method"}'] >= 4, m)
     lines = get(port, "/metrics")[2].decode().splitlines()
@@ -100,47 +100,47 @@ def http(port):
 def conversation(port):
     client = Client(port)
     first = json.loads(client.receive()[1])
-    check("the first message is the model, with FE's curves", first["type"] == "model" and all(len(p["curve"]) == 3 for p in first["places"]), first["type"])
-    check("the demo plays by itself", client.hear("control", holder="demo") is not None)
+    check("the first message is the model with its FE curves", first["type"] == "model" and all(len(p["curve"]) == 3 for p in first["places"]), first["type"])
+    check("the demo starts by itself", client.hear("control", holder="demo") is not None)
     state = client.state()
-    check("a state is as long as it should be and counts ticks", state[1] > 0 and state[26] == 1, state)
+    check("a state counts ticks and one client", state[1] > 0 and state[26] == 1, state)
     times = [client.state()[0] for _ in range(200)]
-    rate = (len(times) - 1) / (times[-1] - times[0])   # a second of the simulation's, however long the machine takes
-    check("states come 60 times a second at most", rate <= 62, rate)
+    rate = (len(times) - 1) / (times[-1] - times[0])   # per second of simulated time, at any speed of the machine
+    check("states are sent 60 times a second at most", rate <= 62, rate)
     deepest = 0
     for k in range(60):
         client.say(type="pointer", x=0.05, y=0.12 - 0.028 * min(1, k / 30), down=True)
         state = client.state()
         deepest = max(deepest, -state[15])
-    check("a pointer that goes down presses the tissue", deepest > 0.004 and state[13] == 0 and state[19] < 0, deepest, state)
-    check("it feels the nearest place and FE's force there", state[22] >= 0 and state[23] > 0, state[22:24])
+    check("a pointer that moves down indents the tissue", deepest > 0.004 and state[13] == 0 and state[19] < 0, deepest, state)
+    check("a state has the nearest place and its FE force", state[22] >= 0 and state[23] > 0, state[22:24])
     other = Client(port)
     other.say(type="pointer", x=0, y=0, down=True)
-    check("others watch meanwhile", other.hear("control", holder="other") is not None)
+    check("another client is told that the tissue is held", other.hear("control", holder="other") is not None)
     client.say(type="pointer", x=0, y=0, down=False)
-    check("letting go takes the hand out of the tissue", client.until(lambda k, p: k == 2 and
+    check("after release the hand leaves the tissue", client.until(lambda k, p: k == 2 and
           numbers(p)[13] == -1 and numbers(p)[10] > 0.1) is not None)
     client.say(type="pause", on=True)
-    check("pause is told to everyone", other.hear("control", paused=True) is not None)
+    check("a pause is sent to the other client", other.hear("control", paused=True) is not None)
     a, b = client.state(), client.state()
-    while a[1] != b[1]:   # states from before the pause are on their way still
+    while a[1] != b[1]:   # states from before the pause may still arrive
         a, b = b, client.state()
     b = [client.state() for _ in range(5)][-1]
-    check("paused, no tick passes", a[1] == b[1] and a[0] == b[0], a[1], b[1])
+    check("during a pause there is no tick", a[1] == b[1] and a[0] == b[0], a[1], b[1])
     client.say(type="pause", on=False)
     client.say(type="reset")
-    check("and on it goes", client.until(lambda k, p: k == 2 and numbers(p)[1] > b[1]) is not None)
+    check("ticks continue after pause and reset", client.until(lambda k, p: k == 2 and numbers(p)[1] > b[1]) is not None)
     client.say(type="demo", place=1)
-    check("the demo can be asked for by place", client.hear("control", holder="demo", place=1) is not None)
+    check("the demo can be requested at a place", client.hear("control", holder="demo", place=1) is not None)
     state = client.state()
-    check("no position of the pointer was a fault", state[5] == 0, state[5])
+    check("no position of the pointer is a fault", state[5] == 0, state[5])
     client.send(b"\x03\xe8", kind=CLOSE)
-    check("a close is answered", client.ended() == (1000, ""))
+    check("a close frame is answered with code 1000", client.ended() == (1000, ""))
     client.close(), other.close()
 
 
 def empty_pieces(port):
-    """How it ended, and the bytes that were taken, of one message in pieces of nothing."""
+    """End of the connection and number of bytes accepted, for one message in endless empty fragments."""
     taken = [0]
 
     def send(client):
@@ -156,46 +156,46 @@ def empty_pieces(port):
 
 
 def misbehaviour(port):
-    check("a foreign Origin: 403", refusal(port, headers="Origin: http://evil.example\r\n") == 403)
-    check("Origin null: 403", refusal(port, headers="Origin: null\r\n") == 403)
-    check("the page's own Origin is let in", refusal(port, headers=f"Origin: http://127.0.0.1:{port}\r\n") == 101)
-    check("a Host that is a name: 403", refusal(port, host=f"evil.example:{port}") == 403)
-    for sentence, text, reason in (("not JSON", "{", "not JSON"), ("an unknown type", '{"type":"fly"}', "a type that is none of"),
-                                   ("an unknown key", '{"type":"reset","x":1}', "a key that"),
-                                   ("a number that is none", '{"type":"pointer","x":1e999,"y":0,"down":true}', "not JSON"),
-                                   ("a pointer of space in the plane", '{"type":"pointer","x":0,"y":0,"z":0,"down":true}', "'z' is of models in space"),
-                                   ("a model that is not there", '{"type":"model","model":7}', "no such model")):
+    check("a WebSocket from a foreign Origin: 403", refusal(port, headers="Origin: http://evil.example\r\n") == 403)
+    check("a WebSocket from Origin null: 403", refusal(port, headers="Origin: null\r\n") == 403)
+    check("a WebSocket from the page's own Origin is accepted", refusal(port, headers=f"Origin: http://127.0.0.1:{port}\r\n") == 101)
+    check("a WebSocket with a domain name as Host: 403", refusal(port, host=f"evil.example:{port}") == 403)
+    for sentence, text, reason in (("not JSON", "{", "not JSON"), ("an unknown type", '{"type":"fly"}', "'type' must be one of"),
+                                   ("an unknown key", '{"type":"reset","x":1}', "unknown key"),
+                                   ("a number that is not finite", '{"type":"pointer","x":1e999,"y":0,"down":true}', "not JSON"),
+                                   ("a pointer with z in the plane", '{"type":"pointer","x":0,"y":0,"z":0,"down":true}', "'z' is not allowed: this model is in the plane"),
+                                   ("a model that does not exist", '{"type":"model","model":7}', "no such model")):
         end = ends(port, lambda c: c.send(text))
         check(f"{sentence}: 1008 and the reason", end and end[0] == 1008 and end[1].startswith(reason), end)
-    check("binary: 1008", ends(port, lambda c: c.send(b"12", kind=2))[0] == 1008)
+    check("a binary message: 1008", ends(port, lambda c: c.send(b"12", kind=2))[0] == 1008)
     check("text that is not UTF-8: closed", ends(port, lambda c: c.send(b"\xff\xfe{}"))[0] in (1007, 1008))
-    check("too long: 1009 and the reason", ends(port, lambda c: c.send(" " * 1025)) == (1009, "a message of more than 1024 bytes"))
-    check("too long in pieces: 1009", ends(port, lambda c: [c.send(" " * 300, kind=TEXT if k == 0 else 0, final=False) for k in range(5)])[0] == 1009)
-    check("a length that is only announced: 1009", ends(port, lambda c: (c.send(b" " * 2000, size=2 ** 62)))[0] == 1009)
+    check("a message that is too long: 1009 and the reason", ends(port, lambda c: c.send(" " * 1025)) == (1009, "a message longer than 1024 bytes"))
+    check("a fragmented message that is too long: 1009", ends(port, lambda c: [c.send(" " * 300, kind=TEXT if k == 0 else 0, final=False) for k in range(5)])[0] == 1009)
+    check("an announced length above the limit: 1009", ends(port, lambda c: (c.send(b" " * 2000, size=2 ** 62)))[0] == 1009)
     end = ends(port, lambda c: [c.say(type="reset") for _ in range(600)])
     check("too many messages a second: 1008", end in ((1008, "too many messages a second"), (None, "")), end)
-    check("pings in a flood: closed", ends(port, lambda c: [c.send(b"", kind=PING) for _ in range(600)]) in ((1008, "too many messages a second"), (None, "")))
+    check("a flood of pings: closed", ends(port, lambda c: [c.send(b"", kind=PING) for _ in range(600)]) in ((1008, "too many messages a second"), (None, "")))
     before = refused(port, "rate")
-    check("both were counted", before == 2, before)
+    check("both floods are counted as refusals", before == 2, before)
     end, taken = empty_pieces(port)
-    check("a message of empty pieces without end: 1008, and little of it was taken", end in ((1008, "too many messages a second"), (None, "")) and taken < 30e6, end, taken)
-    check("it was counted too, and its place is free soon", refused(port, "rate") == 3 and wait_for(lambda: metrics(port)["tissue_clients"] == 0, 15))
-    check("a frame without a mask: closed", ends(port, lambda c: c.send("{}", mask=False)) is not None)
+    check("a message in endless empty fragments: 1008, and less than 30 MB of it are accepted", end in ((1008, "too many messages a second"), (None, "")) and taken < 30e6, end, taken)
+    check("it is counted as a refusal, and its seat is free within 15 s", refused(port, "rate") == 3 and wait_for(lambda: metrics(port)["tissue_clients"] == 0, 15))
+    check("an unmasked frame: closed", ends(port, lambda c: c.send("{}", mask=False)) is not None)
     clients = [Client(port) for _ in range(8)]
-    check("the ninth page: 503", refusal(port) == 503 and metrics(port)["tissue_clients"] == 8)
+    check("a ninth client: 503", refusal(port) == 503 and metrics(port)["tissue_clients"] == 8)
     for c in clients:
         c.close()
-    check("when they have left, there is room", wait_for(lambda: refusal(port) == 101))
+    check("a client is accepted after the others have left", wait_for(lambda: refusal(port) == 101))
     slow = Client(port, receive_buffer=2048)
     wait_for(lambda: refused(port, "slow") > 0)
-    check("a page that does not read is dropped", refused(port, "slow") == 1 and metrics(port)["tissue_frames_dropped_total"] > 0)
+    check("a client that does not read is dropped", refused(port, "slow") == 1 and metrics(port)["tissue_frames_dropped_total"] > 0)
     slow.close()
     idle = socket.create_connection(("127.0.0.1", port))
     idle.sendall(b"GET / HTTP/1.1\r\n")
     idle.settimeout(PATIENCE_S)
     began = time.monotonic()
     idle.recv(100)
-    check("a request that does not end is given up after 5 s", time.monotonic() - began > 3, time.monotonic() - began)
+    check("an incomplete request is closed, but not before 3 s", time.monotonic() - began > 3, time.monotonic() - began)
     idle.close()
 
 
@@ -206,16 +206,17 @@ def attack(port):
     status = get(port, "/healthz")[0]
     wait_for(lambda: metrics(port)["tissue_clients"] == 0)
     after = metrics(port)
-    check("a thousand hostile frames and a hundred connects: it goes on, without a fault, and nobody stays",
+    check("after 1000 hostile frames and 100 connects the server runs without faults and without clients",
           status == 200 and sent >= 1000 and after["tissue_ticks_total"] > before["tissue_ticks_total"] and after["tissue_clients"] == 0
           and all(v == 0 for k, v in after.items() if k.startswith("tissue_faults_total")), after)
-    # a virtual machine charges the tick's thread for time that its host took, so a few misses say nothing: the median tick has to be in time
+    # A virtual machine charges the thread of the tick for time that its host took, so a few overruns mean nothing.
+    # Only the median tick must be in time.
     ticks, missed = (after[key] - before[key] for key in ("tissue_ticks_total", "tissue_misses_program_total"))
-    check("the median tick kept its period meanwhile", missed < ticks / 2, missed, ticks)
+    check("fewer than half of the ticks overrun by the program's own work during the attack", missed < ticks / 2, missed, ticks)
 
 
 def ending():
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # nohup's would be handed down
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # otherwise a server inherits the setting of nohup
     for sign in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         record = scratch / f"s{sign}.h5"
         server = Server(program, model, "--port", "0", "--record", str(record), "--json")
@@ -229,10 +230,10 @@ def ending():
         check(f"{sign.name}: bye, then 1001, exit 0", bye is not None and end and end[0] == 1001 and status == 0, bye, end, status, err)
         statistics = json.loads(out)
         with h5py.File(record) as f:
-            check(f"{sign.name}: the recording is whole, and its last tick is the statistics's", f.attrs["kind"] == b"recording"
+            check(f"{sign.name}: the recording has as many ticks as the session statistics", f.attrs["kind"] == b"recording"
                   and len(f["time"]) + f.attrs["dropped_samples"] == statistics["ticks"] > 10 and statistics["device"] == "pointer", statistics["ticks"])
     status, _, _ = Server(program, model, "--seconds", "0.5").wait()
-    check("--seconds ends it by itself", status == 0, status)
+    check("--seconds ends the session with exit 0", status == 0, status)
 
 
 def command_line():
@@ -243,23 +244,23 @@ def command_line():
         status, err = run(model, "--port", str(taken.getsockname()[1]))
     check("a port in use: exit 1, one line", status == 1 and err.count("\n") == 1 and "cannot listen on 127.0.0.1 port" in err, status, err)
     for sentence, arguments in (("a token on the command line", ("--token=0123456789abcdef",)),
-                                ("an address that is a name", ("--bind", "example.org")), ("a recording of two models", (model, "--record", "x.h5")),
-                                ("no clients", ("--clients", "0")), ("a port that is none", ("--port", "70000"))):
+                                ("a domain name as address", ("--bind", "example.org")), ("a recording of two models", (model, "--record", "x.h5")),
+                                ("0 clients", ("--clients", "0")), ("a port that does not exist", ("--port", "70000"))):
         status, err = run(model, *arguments)
         check(f"{sentence}: exit 2", status == 2, status, err)
     for words in (("--token", "secret-of-mine"), ("--token=secret-of-mine",)):
         status, err = run(model, *words)
-        check(f"{' '.join(words)}: exit 2, the variable is named and the text is not", status == 2 and "TISSUECTL_TOKEN" in err and "secret-of-mine" not in err, status, err)
+        check(f"{' '.join(words)}: exit 2 with the name of the variable and without the token", status == 2 and "TISSUECTL_TOKEN" in err and "secret-of-mine" not in err, status, err)
     done = subprocess.run([program, "serve", model], capture_output=True, text=True, timeout=PATIENCE_S, env={**os.environ, "TISSUECTL_TOKEN": "abc"})
-    check("a token too short: exit 2, one line", done.returncode == 2 and "TISSUECTL_TOKEN: wanted 16 to 128" in done.stderr, done.returncode, done.stderr)
+    check("a token that is too short: exit 2 and the allowed length", done.returncode == 2 and "TISSUECTL_TOKEN: must have 16 to 128" in done.stderr, done.returncode, done.stderr)
     status, err = run(str(scratch / "none.h5"))
-    check("a model that is not there: exit 1, one line", status == 1 and err.count("\n") == 1 and "none.h5" in err, status, err)
+    check("a missing model: exit 1, one line", status == 1 and err.count("\n") == 1 and "none.h5" in err, status, err)
     status, err = run(model, "--record", str(scratch / "none" / "s.h5"))
     check("a recording that cannot be written: exit 1", status == 1 and "cannot write" in err, status, err)
 
 
 def slow_download(port, path, bytes_a_second):
-    """How many bytes come of an answer that is taken at this rate, and how many should."""
+    """Bytes of an answer that is received at this rate, bytes announced, and seconds."""
     with socket.socket() as s:
         s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8192)
         s.settimeout(PATIENCE_S)
@@ -278,7 +279,7 @@ def slow_download(port, path, bytes_a_second):
 
 
 def answer_of(connection):
-    """(status, text) of what a connection is told before it is closed; (None, "") when nothing."""
+    """(status, text) of the answer before the connection is closed; (None, "") without one."""
     connection.settimeout(PATIENCE_S)
     told = b""
     try:
@@ -290,23 +291,23 @@ def answer_of(connection):
 
 
 def crowds(port, page="/", headers=""):
-    """Many connections, which say nothing or half of something, and one who wants the page."""
+    """Many connections without a complete request, and one client that loads the page."""
     for sentence, words in (("silent", b""), ("halfway through a request", b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n")):
         crowd = []
         for _ in range(150):
             crowd.append(socket.create_connection(("127.0.0.1", port)))
             crowd[-1].sendall(words)
         loads = [get(port, page, headers=headers)[0] for _ in range(40)]
-        check(f"a crowd of 150 connections, {sentence}: every load of the page succeeds", loads == [200] * 40, loads)
+        check(f"150 connections, {sentence}: every load of the page succeeds", loads == [200] * 40, loads)
         gave_way = answer_of(crowd[0])
-        check("who gives way is told so", gave_way[0] == 503 and "this one gave way to another" in gave_way[1], gave_way)
+        check("a connection that is closed to make room gets 503 and the reason", gave_way[0] == 503 and "this one was closed to accept another" in gave_way[1], gave_way)
         last = answer_of(crowd[-1])
-        reason = "nothing came within 2 s" if not words else "no whole request came within 5 s"
-        check("who is late is told so", last[0] == 408 and reason in last[1], last)
+        reason = "no data was received within 2 s" if not words else "no complete request was received within 5 s"
+        check("a late connection gets 408 and the reason", last[0] == 408 and reason in last[1], last)
         for c in crowd:
             c.close()
     many = [socket.create_connection(("127.0.0.1", port), source_address=(f"127.0.0.{k + 2}", 0)) for k in range(100)]
-    check("nor do a hundred from as many addresses of this machine", [get(port, page, headers=headers)[0] for _ in range(10)] == [200] * 10)
+    check("100 connections from 100 local addresses: every load of the page succeeds", [get(port, page, headers=headers)[0] for _ in range(10)] == [200] * 10)
     for c in many:
         c.close()
 
@@ -314,18 +315,18 @@ def crowds(port, page="/", headers=""):
 def rates(port):
     one = b"GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
     told = request(port, one * 2000 + one.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n"))
-    check("too many requests a second: 429, when, and why", told.count(b"HTTP/1.1 429") == 1 and 100 < told.count(b"HTTP/1.1 200") < 1500
+    check("too many requests a second: 429 with Retry-After and the reason", told.count(b"HTTP/1.1 429") == 1 and 100 < told.count(b"HTTP/1.1 200") < 1500
           and b"Retry-After: 1" in told and b"more than 250 requests a second" in told, told.count(b"HTTP/1.1 200"), told[-400:])
-    time.sleep(1)  # as the answer says
-    check("and a second later again", get(port, "/healthz")[0] == 200 and refused(port, "requests") >= 1)
+    time.sleep(1)  # as Retry-After states
+    check("a request one second later succeeds", get(port, "/healthz")[0] == 200 and refused(port, "requests") >= 1)
     taken, size, seconds = slow_download(port, "/three.module.js", 150e3)
-    check("a slow download at 150 kB/s is whole", taken == size > 1e6 and seconds > 5.5, taken, size, seconds)
+    check("a slow download at 150 kB/s is complete", taken == size > 1e6 and seconds > 5.5, taken, size, seconds)
     slow = socket.socket()
     slow.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     slow.connect(("127.0.0.1", port))
     before = refused(port, "slow")
     slow.sendall(b"GET /three.module.js HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
-    check("one that is not taken is given up", wait_for(lambda: refused(port, "slow") == before + 1, 60))
+    check("a download that is not received is closed", wait_for(lambda: refused(port, "slow") == before + 1, 60))
     slow.close()
 
 
@@ -334,41 +335,41 @@ def token():
     record = scratch / "token.h5"
     server = Server(program, model, "--bind", "0.0.0.0", "--record", str(record), TISSUECTL_TOKEN=secret)
     port = server.port
-    check("with a token the URL has it", server.url.endswith(f"/?token={secret}"), server.url)
-    check("without it: 401, to pages and WebSockets", [get(port, p)[0] for p in ("/", "/page.js", "/metrics", f"/?token={secret[:-1]}")] == [401] * 4
+    check("the printed URL contains the token", server.url.endswith(f"/?token={secret}"), server.url)
+    check("pages and WebSockets without the token: 401", [get(port, p)[0] for p in ("/", "/page.js", "/metrics", f"/?token={secret[:-1]}")] == [401] * 4
           and refusal(port) == 401)
     status, head, _ = get(port, f"/?token={secret}")
     cookie = re.search(rf"Set-Cookie: (tissue_token_{port}=[^;]*); (.*)\r", head)
     there = re.search(r"Location: (/[0-9a-f]{32}/)\r", head)
-    check("with it the page's own path, without the token, and a cookie of this port and that path alone", status == 303 and cookie and there
+    check("the token redirects to a session path without it and sets a cookie for this port and that path", status == 303 and cookie and there
           and f"Path={there[1]};" in cookie[2] and "HttpOnly" in cookie[2] and "SameSite=Lax" in cookie[2], head)
     mine = f"Cookie: {cookie[1]}\r\n"
-    check("the cookie lets in, to the page, its parts and its WebSocket", [get(port, there[1] + p, headers=mine)[0] for p in ("", "page.js", "healthz")] == [200] * 3
+    check("the cookie gives access to the page, its parts and its WebSocket", [get(port, there[1] + p, headers=mine)[0] for p in ("", "page.js", "healthz")] == [200] * 3
           and refusal(port, path=f"{there[1]}ws", headers=mine) == 101 and refusal(port, path=f"/ws?token={secret}") == 101)
-    check("the path without the cookie does not", [get(port, there[1] + p)[0] for p in ("", "page.js", "metrics")] == [401] * 3)
+    check("the session path without the cookie: 401", [get(port, there[1] + p)[0] for p in ("", "page.js", "metrics")] == [401] * 3)
     earlier = "/" + "0123456789abcdef" * 2 + "/"
-    check("a page of an earlier session finds its server again, by the same token", get(port, earlier + "healthz", headers=mine)[0] == 200
+    check("a page of an earlier session has access with the same token", get(port, earlier + "healthz", headers=mine)[0] == 200
           and refusal(port, path=earlier + "ws", headers=mine) == 101 and get(port, earlier + "healthz")[0] == 401)
     other = Server(program, model, "--token")
     drawn = re.search(r"/\?token=([0-9a-f]{32})$", other.url)
-    check("--token draws one", drawn and get(other.port, f"/?token={drawn[1]}")[0] == 303 and get(other.port)[0] == 401, other.url)
-    check("which no list of processes has", drawn[1].encode() not in Path(f"/proc/{other.process.pid}/cmdline").read_bytes())
+    check("--token draws a token", drawn and get(other.port, f"/?token={drawn[1]}")[0] == 303 and get(other.port)[0] == 401, other.url)
+    check("the drawn token is not in the command line of the process", drawn[1].encode() not in Path(f"/proc/{other.process.pid}/cmdline").read_bytes())
     both = f"Cookie: {cookie[1]}; tissue_token_{other.port}={drawn[1]}\r\n"
-    check("the cookies of two servers stand beside each other", [get(p, headers=both)[0] for p in (port, other.port)] == [200] * 2)
+    check("cookies of two servers are valid side by side", [get(p, headers=both)[0] for p in (port, other.port)] == [200] * 2)
     crowds(port, there[1], mine)
     began, guesses = time.monotonic(), []
     while 429 not in guesses and len(guesses) < 3000:
         guesses.append(get(port, "/?token=guess")[0])
-    check("who guesses tokens is refused by their number, and takes none from the owner's", get(port, there[1], headers=mine)[0] == 200
+    check("token guesses are limited in rate, and the owner still has access", get(port, there[1], headers=mine)[0] == 200
           and (429 in guesses or len(guesses) / (time.monotonic() - began) < 260), guesses[-1])
     status, _, err = other.end()
-    check("it is printed once", status == 0 and err.count(drawn[1]) == 1, err)
+    check("the drawn token is printed once", status == 0 and err.count(drawn[1]) == 1, err)
     status, _, _ = server.end()
     with h5py.File(record) as f:
-        check("the recording does not hold the token", status == 0 and secret.encode() not in f.attrs["command"], f.attrs["command"])
+        check("the recording does not contain the token", status == 0 and secret.encode() not in f.attrs["command"], f.attrs["command"])
     beyond = [Server(program, model, "--bind", "0.0.0.0") for _ in range(2)]
     drawn = [re.search(r"/\?token=([0-9a-f]{32})$", s.url) for s in beyond]
-    check("beyond this machine a token is drawn, another each time", all(drawn) and drawn[0][1] != drawn[1][1] and get(beyond[0].port)[0] == 401)
+    check("a server for other machines draws a new token each time", all(drawn) and drawn[0][1] != drawn[1][1] and get(beyond[0].port)[0] == 401)
     for s in beyond:
         s.end()
 
@@ -378,7 +379,7 @@ server = Server(program, model, "--port", "0")
 for part in (http, conversation, misbehaviour, crowds, rates, attack):
     part(server.port)
 status, out, err = server.end()
-check("after all this it ends as it should", status == 0 and "rror" not in err, status, err)
+check("the server then ends with exit 0 and no error message", status == 0 and "rror" not in err, status, err)
 ending()
 token()
 sys.exit(failed > 0)

@@ -1,6 +1,7 @@
-"""Takes results/reference/serve.png and serve-space.png: screenshot.py TISSUECTL MODEL OUT.png [dark], MODEL that of the
-study `surface`, or of one in space. Presses the learned mesh with the mouse, in the plane straight in at its left side and between
-two nodes, in space where the demo begins; holds until the tissue rests, and takes the page as it stands."""
+"""Takes results/reference/serve.png and serve-space.png: screenshot.py TISSUECTL MODEL OUT.png [dark]. MODEL is that of
+the study `surface`, or one in space. Indents the learned mesh: in the plane with the mouse, straight in at its left
+side between two nodes; in space with the keyboard where the demo starts. Waits until the tissue is at rest, and saves a
+picture of the page."""
 import sys
 import tempfile
 
@@ -37,7 +38,7 @@ def main():
                 moved = page.watch("Math.hypot(...tissue.contact_moved_m[1])", 0.5)
                 if max(moved) - min(moved) < 0.002 * max(moved):
                     break
-            for _ in range(3):  # the whole page, however long: what is drawn grows with the window
+            for _ in range(3):  # the height of the whole page; the drawing grows with the window, hence three times
                 page.resize(1280, page.js("document.documentElement.scrollHeight"))
                 page.after(5)
             page.driver.save_screenshot(out)

@@ -13,7 +13,7 @@
 
 namespace tissue::serve {
 
-/// The example with FE forces: 2 N/m along the push.
+/// The example with FE forces: 2 N per metre of tool displacement, along its direction.
 TissueModel with_forces();
 
 struct Shown {
@@ -22,12 +22,12 @@ struct Shown {
     Scene scene{tissue, model};
 };
 
-/// Cases of that model: at every load case FE's force, and displacements that differ from case to case and node to node.
+/// Cases of that model: its FE forces, and displacements that differ between load cases and between nodes.
 Cases cases_of(const TissueModel& tissue);
 
 bool in_tissue(const Scene& scene, const Point& p, double margin = 0);
 
-/// A show of two models whose clients write down what they hear.
+/// A show of two models that records the messages to each client.
 struct Stand {
     TemporaryFolder folder;
     std::unique_ptr<Stage> stage;
@@ -49,7 +49,7 @@ struct Stand {
     bool point(int client, double x, double y, bool down) {
         return !show->hear(client, nlohmann::json{{"type", "pointer"}, {"x", x}, {"y", y}, {"down", down}}.dump(), now_s);
     }
-    /// Time goes on, as fast as it can; the tick's own is not waited for.
+    /// Advances the clock of the show, and does not wait for ticks.
     void pass(double seconds) {
         for (const double end = now_s + seconds; now_s < end; now_s += 0.016) show->step(now_s);
     }

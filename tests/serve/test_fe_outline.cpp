@@ -7,7 +7,7 @@ using namespace tissue;
 using namespace tissue::serve;
 using Json = nlohmann::json;
 
-TEST_CASE("FE's surface in the model's folder is told with the nearest place, once, and is cases.h5's at every case", "[serve][long]") {
+TEST_CASE("near messages have the FE surface of cases.h5 at every load case and are sent once per change of place", "[serve][long]") {
     const TissueModel tissue = with_forces();
     const Cases cases = cases_of(tissue);
     Stand s(cases);
@@ -20,7 +20,7 @@ TEST_CASE("FE's surface in the model's folder is told with the nearest place, on
             if (j["type"] == "near") all.push_back(j);
         return all;
     };
-    REQUIRE(wait_for([&] {   // the demo goes round the places
+    REQUIRE(wait_for([&] {   // the demo visits the places
         s.now_s += 0.004;
         s.show->step(s.now_s);
         return nears().size() > 4 && nears().back()["place"] >= 0;
@@ -29,7 +29,7 @@ TEST_CASE("FE's surface in the model's folder is told with the nearest place, on
     int before = -2, told = 0;
     for (const Json& near : nears()) {
         const int place = near["place"];
-        CHECK(place != before);   // not once a frame
+        CHECK(place != before);   // sent on a change, not with every frame
         before = place;
         const Json& rows = near["outline"];
         REQUIRE(rows.size() == (place < 0 ? 0 : 3));
@@ -46,14 +46,14 @@ TEST_CASE("FE's surface in the model's folder is told with the nearest place, on
         told += place >= 0;
     }
     CHECK(told > 0);
-    s.show->join(2);   // who comes later is told too
+    s.show->join(2);   // a client that joins later gets it too
     Json last;
     for (const Json& j : s.heard[2])
         if (j["type"] == "near") last = j;
     CHECK(last == nears().back());
 }
 
-TEST_CASE("without cases.h5 there is no FE surface and no word of it; a foreign or damaged one is not used, and one line says so",
+TEST_CASE("a missing cases.h5 gives no FE surface and no warning; a foreign or damaged one gives a one-line warning",
           "[serve]") {
     const TissueModel tissue = with_forces();
     const auto no_outline = [](const Stand& s) {
@@ -84,7 +84,7 @@ TEST_CASE("without cases.h5 there is no FE surface and no word of it; a foreign 
     contact.paths[0].contact_m.y() += 1e-6;
     refused(contact, "its load case 'left-10mm' is another");
 
-    depth.magnitudes_m[0] *= 1 + 1e-7;   // to six digits the same name
+    depth.magnitudes_m[0] *= 1 + 1e-7;   // the name has six digits and stays the same
     for (LoadPath& path : depth.paths) path.records[0].magnitude_m = depth.magnitudes_m[0];
     refused(depth, "its load case 'left-10mm' is another");
 
@@ -95,7 +95,7 @@ TEST_CASE("without cases.h5 there is no FE surface and no word of it; a foreign 
     CHECK(damaged.warning.find("cases.h5 is not used: ") != std::string::npos);
     CHECK(damaged.warning.find('\n') == std::string::npos);
 
-    Cases measured = cases_of(tissue);   // of a hand: true, and silent about the inside
+    Cases measured = cases_of(tissue);   // measured cases: valid, but without displacements inside
     measured.measurement = Measurement{};
     measured.measurement->noise_source = "unknown";
     write_cases(folder.file("cases.h5"), measured, {"test", 1, {}});

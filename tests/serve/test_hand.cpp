@@ -5,7 +5,7 @@
 using namespace tissue;
 using namespace tissue::serve;
 
-TEST_CASE("on its way the hand goes round the tissue; to a point inside it comes from the nearest side", "[serve]") {
+TEST_CASE("the hand moves around the tissue and leaves it where it entered at the nearest side", "[serve]") {
     const Shown s;
     Draw draw(4);
     for (int k = 0; k < 300; ++k) {
@@ -24,20 +24,20 @@ TEST_CASE("on its way the hand goes round the tissue; to a point inside it comes
         CHECK(length < (to - from).norm() + 0.6);
     }
     Hand hand(s.scene);
-    hand.follow(Eigen::Vector2d(0.09, 0.05));   // inside, near the right side; the hand is above the middle
+    hand.follow(Eigen::Vector2d(0.09, 0.05));   // inside, near the right side; the hand starts above the middle
     for (int k = 0; k < 200; ++k) hand.step(0.016);
     CHECK((hand.at() - Eigen::Vector2d(0.09, 0.05)).norm() < 1e-12);
-    hand.follow(Eigen::Vector2d(0.07, 0.03));   // now it is led
+    hand.follow(Eigen::Vector2d(0.07, 0.03));   // the hand now follows directly
     CHECK((hand.step(0.016) - Eigen::Vector2d(0.07, 0.03)).norm() < 1e-12);
     hand.let_go();
     for (int k = 0; k < 100; ++k) hand.step(0.016);
-    CHECK((hand.at() - Eigen::Vector2d(0.11, 0.05)).norm() < 1e-9);   // out where it came in
+    CHECK((hand.at() - Eigen::Vector2d(0.11, 0.05)).norm() < 1e-9);   // it leaves where it entered
     hand.follow(Eigen::Vector2d(1e300, -1e300));
     for (int k = 0; k < 1000; ++k) hand.step(0.016);
     CHECK(hand.at().norm() < 2);
 }
 
-TEST_CASE("the demo presses every place of a tour as deep as its cases, and only there", "[serve]") {
+TEST_CASE("the demo indents every place to the depth of its load cases and nowhere else", "[serve]") {
     const Shown s;
     Hand hand(s.scene);
     hand.demonstrate(-1);
@@ -56,7 +56,7 @@ TEST_CASE("the demo presses every place of a tour as deep as its cases, and only
         }
     }
     CHECK(order.front() == s.scene.first_place());
-    for (double depth : deepest) CHECK(depth == Approx(0.015 * 1.1).margin(0.0004));
+    for (double depth : deepest) CHECK(depth == Approx(0.015 * 1.1).margin(0.0004));   // 0.1: stretch of the coupling
     hand.demonstrate(4);
     for (int k = 0; k < 600; ++k) {
         hand.step(1.0 / 60);
@@ -66,16 +66,16 @@ TEST_CASE("the demo presses every place of a tour as deep as its cases, and only
     CHECK(hand.place() == -1);
 }
 
-TEST_CASE("the demo finds tissue that relaxes at rest at every press, and leaves other tissue as it is", "[serve][memory]") {
+TEST_CASE("the demo resets relaxing tissue before every indentation and never resets elastic tissue", "[serve][memory]") {
     for (const bool relaxes : {true, false}) {
         const TemporaryFolder folder;
         write_model(folder.file("law.h5"), relaxes ? relaxing(law_example()) : law_example(), {"test", 1, {}});
         Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
         Show show(stage, [](int, const std::string&) {});
         Simulation simulation(stage.model());
-        // both in simulated time: a step of the show every 16 ticks
+        // simulated time: one step of the show every 16 ticks
         int presses = 0, resets = 0;
-        int untouched = 1000;   // ticks; a contact may bounce
+        int untouched = 1000;   // ticks without contact; a bouncing contact counts once
         for (int k = 0; k < 20000; ++k) {
             if (k % 16 == 0) show.step(100 + 1e-3 * k);
             stage.channel().before(simulation);
@@ -88,21 +88,23 @@ TEST_CASE("the demo finds tissue that relaxes at rest at every press, and leaves
             if (relaxes) CHECK(simulation.rested_s() > simulation.record().time_s - 0.5);
             ++presses;
         }
-        INFO((relaxes ? "relaxing: " : "elastic: ") << presses << " presses, " << resets << " resets");
+        INFO((relaxes ? "relaxing: " : "elastic: ") << presses << " indentations, " << resets << " resets");
         CHECK(presses >= 4);
         if (!relaxes) CHECK(resets == 0);
         else CHECK((resets >= presses && resets <= presses + 1));
     }
 }
 
-TEST_CASE("the demo puts a mesh that has not come back to rest there before the next press", "[serve][long]") {
+TEST_CASE("the demo resets a mesh that has not returned to rest before the next indentation", "[serve][long]") {
     for (const bool away : {true, false}) {
         const TemporaryFolder folder;
         write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
         Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
         Show show(stage, [](int, const std::string&) {});
-        Simulation simulation(stage.model()), seen(stage.model());   // the one that the demo presses, and the one whose states the show gets
-        for (int k = 0; k < 1500; ++k) seen.tick(sample_at(0.05, 0.12 - (away ? 2e-5 : 0) * k));   // at the end 10 mm below the top, as a fold would be
+        // the demo indents the first; the show gets the states of the second
+        Simulation simulation(stage.model()), seen(stage.model());
+        // ends 10 mm below the top, far from rest as an inverted mesh would be
+        for (int k = 0; k < 1500; ++k) seen.tick(sample_at(0.05, 0.12 - (away ? 2e-5 : 0) * k));
         int resets = 0, presses = 0;
         for (int k = 0; k < 20000; ++k) {
             if (k % 16 == 0) show.step(100 + 1e-3 * k);
@@ -114,13 +116,13 @@ TEST_CASE("the demo puts a mesh that has not come back to rest there before the 
             if (simulation.record().reset) CHECK_FALSE(in_tissue(stage.scene(), simulation.record().master_m));
             presses += simulation.contact().contact && !before;
         }
-        INFO((away ? "away: " : "at rest: ") << presses << " presses, " << resets << " resets");
+        INFO((away ? "away: " : "at rest: ") << presses << " indentations, " << resets << " resets");
         CHECK(presses >= 4);
         CHECK((away ? resets >= 4 : resets == 0));
     }
 }
 
-TEST_CASE("a person who presses inside a plane mesh comes in straight through its nearest side, though the device lags behind the hand", "[serve]") {
+TEST_CASE("in the plane the tool enters perpendicular to the nearest side although the device lags the hand", "[serve]") {
     const TemporaryFolder folder;
     write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
     Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
@@ -144,13 +146,13 @@ TEST_CASE("a person who presses inside a plane mesh comes in straight through it
         const auto point = [&](bool down) {
             show.hear(1, nlohmann::json{{"type", "pointer"}, {"x", wanted[0]}, {"y", wanted[1]}, {"down", down}}.dump(), 100 + 1e-3 * k);
         };
-        for (int word = 0; word < 5; ++word) {   // a page says so twice a second while the hand rests
+        for (int word = 0; word < 5; ++word) {   // a page repeats its message twice a second while the hand rests
             point(true);
             pass(0.5, [&](const Point& at) {
                 if (in_tissue(stage.scene(), at)) off = std::max(off, std::abs(side == 2 ? at[0] - along : at[1] - along));
             });
         }
-        INFO("press " << press << " at " << wanted.transpose());
+        INFO("indentation " << press << " at " << wanted.transpose());
         CHECK(off >= 0);
         CHECK(off < 2e-4);
         CHECK((simulation.record().master_m - wanted).norm() < 1e-4);
@@ -159,12 +161,12 @@ TEST_CASE("a person who presses inside a plane mesh comes in straight through it
     }
 }
 
-TEST_CASE("a person who drags along a plane mesh from the first moment is followed, and soon inside it", "[serve]") {
+TEST_CASE("a hand dragged along the side of a plane mesh first waits outside and is inside within 1 s", "[serve]") {
     const Shown s;
     for (const double speed_m_s : {0.02, 0.03, 0.1, 0.3}) {
         Hand hand(s.scene);
         double there_s = -1;
-        for (int k = 0; k < 120 && there_s < 0; ++k) {   // to and fro between 20 and 80 mm
+        for (int k = 0; k < 120 && there_s < 0; ++k) {   // back and forth between x = 20 mm and 80 mm
             const double way = std::fmod(speed_m_s * k / 60, 0.12);
             const Point wanted = Eigen::Vector2d(0.02 + (way < 0.06 ? way : 0.12 - way), 0.094);
             hand.follow(wanted);
@@ -172,12 +174,12 @@ TEST_CASE("a person who drags along a plane mesh from the first moment is follow
             if (in_tissue(s.scene, hand.at()) && (hand.at() - wanted).norm() < 1e-12) there_s = k / 60.0;
         }
         INFO("dragged at " << speed_m_s << " m/s");
-        CHECK(there_s > 0.15);   // not before it has stood outside
+        CHECK(there_s > 0.15);   // it first waits outside
         CHECK(there_s < 1);
     }
 }
 
-TEST_CASE("the demo finds a hidden tissue at rest when the model is: of the same tissue the hand feels the model's own force", "[serve][adapt][memory]") {
+TEST_CASE("the demo resets model and target tissue together: equal tissues have equal forces at rest within 2 per cent", "[serve][adapt][memory]") {
     const TemporaryFolder folder;
     write_model(folder.file("law.h5"), relaxing(law_example()), {"test", 1, {}});
     StageOptions options;
@@ -200,7 +202,7 @@ TEST_CASE("the demo finds a hidden tissue at rest when the model is: of the same
         const Eigen::Vector2d own_N = -simulation.record().coupling_N, felt_N = stage.model().options.map.force_to_tissue(sample.measured_N).head(2);
         still = simulation.record().mesh < 0 || (simulation.record().master_m - before_m).norm() > 1e-5 ? 0 : still + 1;
         before_m = simulation.record().master_m;
-        if (still < 200) continue;  // a touch swings, and the two take steps of different sizes
+        if (still < 200) continue;  // a new contact oscillates, and the two integrate with different steps
         ++felt;
         worst = std::max(worst, (felt_N - own_N).norm() / own_N.norm());
     }

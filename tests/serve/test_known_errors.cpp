@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// A model in space with its evaluation beside it: errors of its load cases, one of them missing, and of a drawn contact.
+/// A model in space and its evaluation: errors of its load cases, one of them missing, and of one drawn contact.
 struct Evaluated {
     TemporaryFolder folder;
     TissueModel tissue = solid_example();
@@ -30,16 +30,16 @@ struct Evaluated {
     }
     KnownErrors read(const Json& j) {
         folder.file("eval.json", j.dump());
-        return read_known_errors(model, tissue);
+        return read_reference_errors(model, tissue);
     }
-    /// Why it is not used.
+    /// The warning about an eval.json that is not used.
     std::string refused(const Json& j) { return refused_text(j.dump()); }
     std::string refused_text(const std::string& content) {
         folder.file("eval.json", content);
         return refused_file();
     }
     std::string refused_file() {
-        const KnownErrors known = read_known_errors(model, tissue);
+        const KnownErrors known = read_reference_errors(model, tissue);
         CHECK(known.all.empty());
         CHECK_THAT(known.warning, Catch::Matchers::StartsWith(folder.file("eval.json") + " is not used: "));
         CHECK(known.warning.find('\n') == std::string::npos);
@@ -49,7 +49,7 @@ struct Evaluated {
 
 }  // namespace
 
-TEST_CASE("the errors of an evaluation are those of the model's load cases by name and of drawn contacts, a missing answer among them", "[serve]") {
+TEST_CASE("known errors are those of load cases and drawn contacts; a missing answer has no value", "[serve]") {
     Evaluated e;
     const KnownErrors known = e.read(e.eval);
     CHECK(known.warning.empty());
@@ -65,7 +65,7 @@ TEST_CASE("the errors of an evaluation are those of the model's load cases by na
     }
     CHECK((known.all[C].role == "held_out" && *known.all[C].force == 0.07 && known.all[C].depth_m == 0.004));
 
-    Stage stage({e.model}, StageOptions{{}, false});   // as the page is told
+    Stage stage({e.model}, StageOptions{{}, false});   // as sent to the page
     CHECK(stage.warnings().empty());
     const Json told = Json::parse(stage.scene().message({"solid"}, 0))["errors"];
     REQUIRE(told.size() == C + 1);
@@ -73,27 +73,27 @@ TEST_CASE("the errors of an evaluation are those of the model's load cases by na
     CHECK((told[C]["role"] == "held_out" && told[C]["contact_m"] == Json::parse("[0.03, 0.04, 0.05]")));
 }
 
-TEST_CASE("without an eval.json no errors are told, nor of a model in the plane", "[serve]") {
+TEST_CASE("a model without eval.json and a model in the plane have no known errors", "[serve]") {
     const Evaluated e;
-    const KnownErrors none = read_known_errors(e.model, e.tissue);
+    const KnownErrors none = read_reference_errors(e.model, e.tissue);
     CHECK((none.all.empty() && none.warning.empty()));
     Evaluated plane;
     plane.tissue = haptic_example({"grid8", "axial"});
     CHECK((plane.read(plane.eval).all.empty() && plane.read(plane.eval).warning.empty()));
 }
 
-TEST_CASE("an eval.json of another model, or one that does not say of which, is not used", "[serve]") {
+TEST_CASE("an eval.json with another model hash or without one is not used", "[serve]") {
     Evaluated e;
     Json j = e.eval;
     j["model_hash"] = std::string(32, '0');
     CHECK_THAT(e.refused(j), Contains("it is of another model than " + e.model));
     j.erase("model_hash");
     CHECK_THAT(e.refused(j), Contains("it does not say which model it is of"));
-    write_model(e.model, e.tissue, {"test again", 1, {}});   // trained anew since
+    write_model(e.model, e.tissue, {"test again", 1, {}});   // the model was trained again
     CHECK_THAT(e.refused(e.eval), Contains("it is of another model"));
 }
 
-TEST_CASE("an eval.json with anything wrong in it is not used, and one line says what", "[serve]") {
+TEST_CASE("a faulty eval.json is not used and a one-line warning names the fault", "[serve]") {
     Evaluated e;
     const auto with = [&](const char* at, const Json& value) {
         Json j = e.eval;

@@ -1,6 +1,6 @@
-"""What the page of `tissuectl serve` shows of a model that has learned from pokes, and of one that
-learns while it plays: test_page_learned.py TISSUECTL LEARNED MODEL, LEARNED also being the tissue that MODEL learns from. Prints "ok - sentence" or
-"not ok - sentence: seen"; exits 1 if any failed."""
+"""The page of `tissuectl serve` for a model that was adapted from measurements, and for one that adapts during the
+session: test_page_learned.py TISSUECTL LEARNED MODEL. LEARNED is also the target tissue that MODEL learns from. Prints
+"ok - sentence" or "not ok - sentence: seen"; exits 1 if any failed."""
 import math
 import re
 import sys
@@ -19,7 +19,7 @@ def check(sentence, holds, seen=""):
     print(f"ok - {sentence}" if holds else f"not ok - {sentence}: {seen}", flush=True)
 
 
-WARM = """(() => { const c = document.getElementById('stage'), above = c.height - Math.ceil(54 * c.width / c.clientWidth),   // the legend has an arrow of the heuristic mesh, which is red
+WARM = """(() => { const c = document.getElementById('stage'), above = c.height - Math.ceil(54 * c.width / c.clientWidth),   // without the legend, in which the arrow of the heuristic mesh is red
         d = c.getContext('2d').getImageData(0, 0, c.width / 2, above).data;
     let red = 0; for (let k = 0; k < d.length; k += 4) red += d[k] > d[k + 2] + 60 && d[k] > d[k + 1] + 40; return red; })()"""
 
@@ -31,7 +31,7 @@ def main():
     try:
         page = Browser()
     except Missing as package:
-        check("a browser can be driven", False, f"missing package {package}; scripts/install_deps names it")
+        check("a browser is available", False, f"missing package {package}; scripts/install_deps names it")
         return 1
     with tempfile.TemporaryDirectory() as folder:
         server = None
@@ -39,14 +39,14 @@ def main():
             server = Server(program, [model], folder)
             page.open(server.url)
             page.until("tissue.connected && tissue.states > 0")
-            check("it says from how many pokes it has learned", page.until("!document.getElementById('learned_row').hidden") and
-                  page.text("learned_text").startswith(f"what {pokes} pokes have found"), page.text("learned_text"))
+            check("the page gives the number of measurements of an adapted model", page.until("!document.getElementById('learned_row').hidden") and
+                  page.text("learned_text").startswith(f"{pokes} measurement{'s' * (pokes != 1)}: "), page.text("learned_text"))
             seen = [float(v) for v in re.findall(r"([0-9.]+) to ([0-9.]+) times", page.text("learned_text"))[0]]
-            check("and how stiff it is, as the file has it", all(abs(a - math.exp(b)) < 0.006 for a, b in zip(seen, (x.min(), x.max()))), (seen, x.min(), x.max()))
-            check("places that are stiffer are red", page.until(f"{WARM} > 500"), page.js(WARM))
+            check("the page gives the range of the stiffness factors in the file", all(abs(a - math.exp(b)) < 0.006 for a, b in zip(seen, (x.min(), x.max()))), (seen, x.min(), x.max()))
+            check("stiffer places are red", page.until(f"{WARM} > 500"), page.js(WARM))
             page.click("learned_wanted")
-            check("while that is wanted", page.until(f"{WARM} < 50"), page.js(WARM))
-            check("no finite elements stand beside it: they are of another tissue",
+            check("the colours of stiffness can be switched off", page.until(f"{WARM} < 50"), page.js(WARM))
+            check("no FE force is shown for an adapted model: the FE reference is of another tissue",
                   page.until("tissue.pressed === 0") and page.text("fe_force") == "–", page.text("fe_force"))
             page.open("about:blank")
             server.end()
@@ -54,23 +54,23 @@ def main():
             learnt = Path(folder) / "learnt.h5"
             server = Server(program, [nominal], folder, "--hidden", model, "--learn", str(learnt))
             page.open(server.url)
-            check("a model that learns says so, and that it has found nothing yet", page.until("tissue.connected && tissue.states > 0") and
-                  page.until("document.getElementById('learned_text').innerText.startsWith('nothing found out yet')"), page.text("learned_text"))
-            check("what to do", "hold still for a second" in page.text("reading_text"), page.text("reading_text"))
-            check("and where a push would tell most", page.until("tissue.next !== null") and page.js("tissue.next.push_m.length") == 2, page.js("tissue.next"))
-            check("the demo's presses are readings, and the map appears", page.until("/^what [3-9] pokes have/.test(document.getElementById('learned_text').innerText)", 60),
+            check("the page of an adapting model reports that there is no measurement yet", page.until("tissue.connected && tissue.states > 0") and
+                  page.until("document.getElementById('learned_text').innerText.startsWith('no measurement yet')"), page.text("learned_text"))
+            check("the page asks the user to hold still for a second", "hold still for a second" in page.text("reading_text"), page.text("reading_text"))
+            check("the page has the most informative next indentation", page.until("tissue.next !== null") and page.js("tissue.next.push_m.length") == 2, page.js("tissue.next"))
+            check("indentations of the demo are measurements", page.until("/^[3-9] measurements: /.test(document.getElementById('learned_text').innerText)", 60),
                   page.text("learned_text"))
-            check("with what became of the last", page.text("reading_text").startswith("The last reading was "), page.text("reading_text"))
+            check("the page gives the result of the last measurement", page.text("reading_text").startswith("The last measurement was "), page.text("reading_text"))
             page.open(server.url)
-            check("a page that comes later sees it too", page.until("tissue.connected && /^what [0-9]+ pokes have/.test(document.getElementById('learned_text').innerText)"),
+            check("a page that is opened later gives the number of measurements too", page.until("tissue.connected && /^[0-9]+ measurements: /.test(document.getElementById('learned_text').innerText)"),
                   page.text("learned_text"))
             page.open("about:blank")
             server.end()
             with h5py.File(learnt) as file:
                 learned = int(file["adaptation"].attrs["learned"])
-            check("the model that it has become is written at the end", learned >= 3, learned)
-            seen = [line for line in page.complaints() if "getImageData" not in line]  # that is what WARM does
-            check("no complaint in the console", seen == [], seen)
+            check("the adapted model is written at the end", learned >= 3, learned)
+            seen = [line for line in page.complaints() if "getImageData" not in line]  # caused by WARM
+            check("the console has no warnings or errors", seen == [], seen)
         finally:
             page.end()
             if server:

@@ -1,6 +1,6 @@
-"""What the page of `tissuectl serve` says of states that a real tissue is seldom in: test_page_words.py TISSUECTL MODEL [PART...]. The server gives the
-page's files alone; models and states are made here, and come through a WebSocket of this test's. Prints "ok - sentence" or "not ok - sentence: seen";
-exits 1 if any failed."""
+"""Texts of the page of `tissuectl serve` in states that real tissue seldom reaches: test_page_words.py TISSUECTL MODEL
+[PART...]. The server provides only the files of the page. Models and states are made here and reach the page through a
+replaced WebSocket. Prints "ok - sentence" or "not ok - sentence: seen"; exits 1 if any failed."""
 import math
 import re
 import sys
@@ -23,13 +23,14 @@ SOCKET = """
             if (window.refuse) return void setTimeout(() => this.lose(""), 50);
             window.socket = this;
             setTimeout(() => { this.readyState = 1; this.onopen && this.onopen(); });
-            setInterval(() => { if (this.readyState === 1 && !window.silent) this.text({ type: "beat" }); }, 500);   // this test may be slow
+            // keeps the connection when this test is slow
+            setInterval(() => { if (this.readyState === 1 && !window.silent) this.text({ type: "beat" }); }, 500);
         }
         send(text) { window.sent.push(JSON.parse(text)); }
         close() { this.readyState = 3; }
         lose(reason) { this.readyState = 3; this.onclose({ reason }); }
         text(message) { this.onmessage({ data: JSON.stringify(message) }); }
-        states(count, gap, head, nodes) {   // time goes on from state to state
+        states(count, gap, head, nodes) {   // each state is `gap` seconds after the previous one
             for (let k = 0; k < count; k++) {
                 const buffer = new ArrayBuffer(8 * head.length + 4 * nodes.length), numbers = new Float64Array(buffer, 0, head.length);
                 numbers.set(head.map(x => x === null ? NaN : x));
@@ -74,7 +75,7 @@ def model_of(places, **more):
 
 
 class Page:
-    """The page, with a clock and a tissue of this test's."""
+    """The page with the clock and the tissue of this test."""
 
     def __init__(self, browser, url):
         self.browser, self.url, self.time = browser, url, 0
@@ -97,7 +98,8 @@ class Page:
         self.say({"type": "control", "holder": holder, "holders": [holder], "paused": paused, "place": place})
 
     def states(self, count, moved=((0, 0), (0, 0)), force=(0, 0), pressed=0, where=0, contact=(0, 0.05), shift=None, gap=1 / 60, tool=(-0.03, 0.05), status=0, behind=0):
-        """So many states of a tool that stands still, at `tool` where nothing is pressed; behind: how far it is behind the hand, m; shift: by node of the heuristic mesh, m."""
+        """Sends `count` states of a tool at rest, without contact at `tool`. behind: distance of the tool behind the
+        hand [m]; shift: displacement by node of the heuristic mesh [m]."""
         nodes = [x for m in (0, 1) for k, p in enumerate(nodes_of(m)) for x in (p if m == 0 or not shift or k not in shift else [a + b for a, b in zip(p, shift[k])])]
         head = [0.0] * 32
         head[0], head[6], head[13], head[22], head[23], head[24], head[26] = self.time + gap, 1000, pressed, where if pressed >= 0 else -1, 1, -1, 1
@@ -109,12 +111,12 @@ class Page:
         self.time += count * gap
 
     def verdict(self):
-        """After the page has looked at the newest state: five times a second."""
+        """The verdict after the page has evaluated the newest state, which it does five times a second."""
         self.browser.driver.execute_async_script("setTimeout(arguments[0], 450)")
         return self.browser.text("verdict").replace("\xa0", " ")
 
     def press(self, learned, heuristic, force, count=40, **more):
-        """learned, heuristic: depth [mm] and degrees off straight in."""
+        """Indents and returns the verdict. learned, heuristic: depth [mm] and angle from straight in [degrees]."""
         self.states(5, pressed=-1)
         self.states(count, [[1e-3 * d * x for x in rotated(a)] for d, a in (learned, heuristic)], force, **more)
         return self.verdict()
@@ -123,32 +125,32 @@ class Page:
 def central_sentence(page):
     page.open(model_of(LEFT))
     said = page.press((5, 0), (7.5, 0), (1.1, 0))
-    check("both meshes are compared, each at its own depth", said == "Against finite elements the learned mesh is 10 % too stiff, the heuristic one 37 % too soft.", said)
+    check("each mesh is compared with FE at its own depth", said == "Force error against the FE reference: learned mesh +10 %, heuristic mesh −37 %.", said)
     wrong = []
     for depth in (1.5, 3, 5, 8, 12, 14):
         for angles in ((0, 0), (0, 8), (0, -20), (4, 12), (3, 3), (-2, 40), (9, 0), (15, 15), (30, -30), (0, 90)):
             said = page.press((depth, angles[0]), (1.1 * depth, angles[1]), (1, 0))
             if "deeper" in said or "beyond" in said:
                 wrong.append([depth, angles, said])
-    check("in sixty states that are shallower than finite elements went, the page never says deeper", wrong == [], [len(wrong), wrong[:2]])
+    check("in 60 states up to 1.03 times the deepest FE depth the page never says deeper", wrong == [], [len(wrong), wrong[:2]])
     said = page.press((5, 0), (5, 12), (1, 0))
-    check("where the heuristic mesh goes another way, it says that", said.endswith("; the heuristic mesh is pushed another way than finite elements were."), said)
+    check("the verdict names a heuristic mesh that moves in another direction", said.endswith("; the heuristic mesh is displaced in another direction than the FE reference."), said)
     said = page.press((5, 0), (0.4, 0), (1, 0))
-    check("and where it is shallower than can be compared", said.endswith("; the heuristic mesh is less than 1 mm deep."), said)
+    check("the verdict names a heuristic mesh that is indented less than 1 mm", said.endswith("; the heuristic mesh is indented less than 1 mm."), said)
     said = page.press((10, 0), (17, 0), (2.5, 0))
-    check("deeper is said of the mesh that is deeper", said == "Against finite elements the learned mesh is 0.0 % too soft; the heuristic mesh is deeper than finite elements went.", said)
+    check("the verdict names the one mesh that is deeper than the FE reference", said == "Force error against the FE reference: learned mesh 0.0 %; the heuristic mesh is indented deeper than the FE reference.", said)
     said = page.press((16.5, 0), (17, 0), (5, 0))
-    check("and of both where both are", said == "Nothing to compare: each mesh is deeper than finite elements went.", said)
+    check("the verdict names both meshes if both are deeper than the FE reference", said == "No comparison: each mesh is indented deeper than the FE reference.", said)
     page.states(5, pressed=-1)
     for k in range(30):
         page.states(1, [[0.0002 * k + 0.002, 0]] * 2, (1, 0))
     said = page.verdict()
-    check("a mesh in motion gets no per cent", said.startswith("In motion: ") and "%" not in said, said)
+    check("the verdict has no percentage for a mesh in motion", said.startswith("In motion: ") and "%" not in said, said)
     said = page.press((5, 0), (5, 0), (1, 0), contact=(0, 0.057))
-    check("7 mm off a known contact both forces are told, and no per cent", said ==
-          "Not solved here: at the nearest known contact, 7.0 mm away, finite elements take 1.00 N for this push; the learned mesh takes 1.00 N here.", said)
+    check("7 mm from a known contact the verdict has both forces and no percentage", said ==
+          "No FE reference here: at the nearest known contact, 7.0 mm away, the FE force is 1.00 N; the learned mesh here has 1.00 N.", said)
     said = page.press((5, 0), (5, 0), (1, 0), contact=(0, 0.08))
-    check("30 mm off nothing is compared", said == "The nearest known contact is 30.0 mm away: too far to compare with.", said)
+    check("30 mm from a known contact nothing is compared", said == "The nearest known contact is 30.0 mm away: too far to compare.", said)
 
 
 def not_a_number(page):
@@ -157,12 +159,12 @@ def not_a_number(page):
     page.states(20, [[0.005, 0]] * 2, (1.1, 0))
     page.verdict()
     ink = """(c => [...c.getContext('2d').getImageData(0, 0, 44, c.height).data].filter((v, k) => k % 4 === 3 && v > 0).length)(document.getElementById('depth_plot'))"""
-    labels = page.browser.js(ink)   # of the axis of force
+    labels = page.browser.js(ink)   # painted pixels of the force axis
     page.states(1, [[0.005, 0], [math.nan, 0]], (math.nan, 0))
     page.states(9, [[0.005, 0]] * 2, (1.1, 0))
     said = page.verdict()
-    check("one state without a number does not hide the others", said == "Against finite elements the learned mesh is 10 % too stiff, the heuristic one 10 % too stiff.", said)
-    check("nor the plots", page.browser.js(ink) == labels > 100, [labels, page.browser.js(ink)])
+    check("a state with NaN does not hide the other states", said == "Force error against the FE reference: learned mesh +10 %, heuristic mesh +10 %.", said)
+    check("a state with NaN does not erase the labels of the force axis", page.browser.js(ink) == labels > 100, [labels, page.browser.js(ink)])
     page.open(model_of(LEFT, relaxation={"tau_s": [0.05, 0.5], "share": [0.3, 0.3]}))
     page.states(60, pressed=-1)
     page.states(20, [[0.005, 0]] * 2, (0.5, 0))
@@ -171,9 +173,9 @@ def not_a_number(page):
     page.states(600, pressed=-1)
     page.states(40, [[0.005, 0]] * 2, (0.5, 0))
     said = page.verdict()
-    check("tissue that relaxes is compared again when it has forgotten", said.startswith("Against finite elements the learned mesh is "), said)
+    check("relaxing tissue is compared again once earlier forces have decayed", said.startswith("Force error against the FE reference: learned mesh "), said)
     said = page.press((5, 0), (5, 0), (0.5, 0))
-    check("and what it remembers is still reckoned", said.startswith("The tissue still remembers an earlier press"), said)
+    check("the verdict still reports an earlier indentation whose force has not decayed", said.startswith("Force of an earlier indentation remains"), said)
 
 
 def many(page):
@@ -181,47 +183,47 @@ def many(page):
     page.open(model_of(contacts))
     page.states(5, pressed=-1)
     listed = page.browser.js("document.querySelectorAll('#contact option').length")
-    check("600 contacts are listed, and the page goes on", listed == 601 and page.verdict().startswith("Nothing touches the tissue."),
+    check("600 contacts are listed and the page continues", listed == 601 and page.verdict().startswith("Nothing touches the tissue."),
           [listed, page.verdict(), page.browser.complaints()[:2]])
     long = page.browser.driver.execute_async_script("""
         const [contact, done] = arguments;
         import("./vectors.js").then(v => done([v.largest(new Float64Array(1e6).fill(1), 0), v.smallest(Array(1e6).fill(2)), v.largest([NaN, 1, Infinity])]), error => done(String(error)));""", 0)
-    check("the largest of a million numbers is found, and what is not finite is passed over", long == [1, 2, 1], long)
+    check("largest and smallest accept a million numbers, and largest skips numbers that are not finite", long == [1, 2, 1], long)
 
 
 def left_behind(page):
     page.open(model_of(LEFT))
     page.states(5, pressed=-1)
     said = page.verdict()
-    check("at rest the page invites", said == "Nothing touches the tissue. Drag into a mesh, or let the demo press.", said)
-    fold = {60: [0.016, 0]}   # a node in the middle, over the next
+    check("at rest the page invites the user to drag", said == "Nothing touches the tissue. Drag into a mesh, or play the demo.", said)
+    fold = {60: [0.016, 0]}   # a node in the middle, displaced past the next one
     for _ in range(5):
         page.states(3, pressed=-1, shift=fold)
         said = page.verdict()
-    check("of a mesh that stays folded the page says so", said == "Nothing touches the tissue, but the heuristic mesh is folded, 16.0 mm from rest. Reset puts it to rest.", said)
+    check("the page reports a mesh that stays inverted", said == "Nothing touches the tissue, but the heuristic mesh is inverted, 16.0 mm from rest. Reset puts it to rest.", said)
     page.states(3, pressed=-1, shift={60: [0.0161, 0]})
     said = page.verdict()
-    check("at the first look", "the heuristic mesh is folded" in said, said)
+    check("the page reports an inverted mesh after a further small displacement", "the heuristic mesh is inverted" in said, said)
     page.states(3, pressed=-1, shift={60: [0.004, 0]})
     said = page.verdict()
-    check("and of one that swings, that", said == "Nothing touches the tissue; it is on its way back to rest.", said)
+    check("the page reports an oscillating mesh as returning to rest", said == "Nothing touches the tissue; it returns to rest.", said)
     for _ in range(5):
         page.states(3, pressed=-1, shift={60: [0.003, 0]})
         said = page.verdict()
-    check("of one that stays elsewhere, that it lies still", said == "Nothing touches the tissue, but the heuristic mesh lies still 3.0 mm from rest. Reset puts it to rest.", said)
+    check("the page reports a mesh that stays away from rest", said == "Nothing touches the tissue, but the heuristic mesh is in equilibrium 3.0 mm from rest. Reset puts it to rest.", said)
     said = page.press((5, 0), (5, 0), (1.1, 0), shift=fold)
-    check("a folded mesh is not compared", said == "Against finite elements the learned mesh is 10 % too stiff; the heuristic mesh is folded.", said)
+    check("an inverted mesh is not compared", said == "Force error against the FE reference: learned mesh +10 %; the heuristic mesh is inverted.", said)
 
 
 def without_force(page):
     page.open(model_of(LEFT), {"holder": "you"})
-    for status, words in ((1, "position was refused"), (2, "has been outside"), (3, "is folded"), (4, "came apart")):
+    for status, words in ((1, "position was refused"), (2, "has left the tissue"), (3, "is self-intersecting"), (4, "diverged and was reset")):
         page.states(5, pressed=-1, status=status, tool=(0.01, 0.05))
         said = page.verdict()
-        check(f"without force the page says why ({words}), and does not invite", said.startswith("No force") and words in said and not re.search("[Pp]ress|[Dd]rag", said), said)
+        check(f"without force the page states the cause ({words}) and does not invite", said.startswith("No force") and words in said and not re.search("[Pp]ress|[Dd]rag|[Pp]lay", said), said)
     page.states(5, pressed=-1)
     said = page.verdict()
-    check("and invites again", said.startswith("Nothing touches the tissue. Drag"), said)
+    check("the page invites again after the cause has ended", said.startswith("Nothing touches the tissue. Drag"), said)
 
 
 def limit(page):
@@ -229,7 +231,7 @@ def limit(page):
     page.states(5, pressed=-1)
     page.states(40, [[0.005, 0]] * 2, (1.1, 0), behind=0.01)
     said = page.verdict()
-    check("a tool that stays behind the hand presses where it touches the tissue", said == "Against finite elements the learned mesh is 10 % too stiff, the heuristic one 10 % too stiff." and
+    check("a tool behind the hand is compared at the point where it touches the tissue", said == "Force error against the FE reference: learned mesh +10 %, heuristic mesh +10 %." and
           page.browser.js("tissue.distance_m") < 1e-9, [said, page.browser.js("tissue.distance_m")])
 
 
@@ -240,36 +242,36 @@ def relaxing(page):
     for k in range(8):
         page.states(3, pressed=-1, shift={60: [0.004 - 0.00006 * k, 0]})
         said = page.verdict()
-    check("tissue that creeps back is not said to lie still", said.startswith("Nothing touches the tissue, which relaxes: the heuristic mesh is still 3."), said)
+    check("the page does not report slowly relaxing tissue as still", said.startswith("Nothing touches the tissue, which relaxes: the heuristic mesh is still 3."), said)
     page.open(model_of(LEFT, relaxation=relaxation))
     page.states(60, pressed=-1)
     page.states(10, [[1e-3 * 5 * x for x in rotated(8)]] * 2, (0.5, 0))
     page.states(40, [[0.005, 0]] * 2, (0.5, 0))
     said = page.verdict()
-    check("a push that went astray is no earlier press", said.startswith("Earlier in this press the tool was where no finite elements were solved"), said)
+    check("an indentation that left the FE directions is not reported as an earlier indentation", said.startswith("Part of this indentation had no FE reference"), said)
 
 
 def headings(page):
     first = lambda model: (page.open(model), page.browser.text("title"), page.browser.text("lead").replace("\xa0", " "))[1:]  # noqa: E731
     title, lead = first(model_of(LEFT))
-    check("two meshes are said to be two, and the curve to be there", title == "One force, two meshes" and "thick curve" in lead, [title, lead])
+    check("the heading of a model with two meshes names both and the curve", title == "The same force on two meshes" and "thick curve" in lead, [title, lead])
     title, lead = first(model_of([{**LEFT[0], "curve": []}]))
-    check("without a curve none is spoken of", title == "One force, two meshes" and "curve" not in lead, [title, lead])
+    check("the heading of a model without curves does not mention a curve", title == "The same force on two meshes" and "curve" not in lead, [title, lead])
     alone = model_of(LEFT)
     alone["meshes"] = alone["meshes"][:1]
     title, lead = first(alone)
-    check("nor a second mesh where there is one", title == "One force on one mesh" and not re.search("two|either|both|heuristic", lead), [title, lead])
+    check("the heading of a model with one mesh does not mention a second mesh", title == "Force on a trained mesh" and not re.search("two|either|both|heuristic", lead), [title, lead])
     page.open(model_of(LEFT, learns=True))
     said = page.browser.text("reading_text").replace("\xa0", " ")
-    check("a model that learns says what a reading is, and where there is none", "hold still for a second" in said and "at its limit of 3.00 N" in said, said)
+    check("the page of an adapting model explains a measurement and its force limit", "hold still for a second" in said and "at its limit of 3.00 N" in said, said)
     page.say({"type": "learned", "reading": {"contact_m": [0, 0.05], "push_m": [0.005, 0], "status": "learned", "why": "", "warning": ""}})
     page.say({"type": "learned", "ended": "there is no room left"})
     said = page.browser.text("reading_text")
-    check("and that learning has ended", said == "Learning has ended, and the tissue stays as it has become: there is no room left.", said)
+    check("the page reports the end of adaptation and its cause", said == "Adaptation has ended: there is no room left. The model stays as adapted.", said)
 
 
 def standing(page):
-    """Whatever is said while a pointer is on the tissue: nothing moves under it."""
+    """Texts that change while a pointer is on the tissue do not move the stage."""
     box = """(() => { const b = document.getElementById('stage').getBoundingClientRect();
         return [b.left, b.top, b.width, b.height, document.documentElement.scrollHeight]; })()"""
     for width, height in ((1360, 900), (1024, 700), (880, 700), (700, 900), (390, 844)):
@@ -287,7 +289,7 @@ def standing(page):
             seen[name] = page.browser.js(box)
         first = seen["nobody", False]
         moved = {key: [b - a for a, b in zip(first, value)] for key, value in seen.items() if any(abs(b - a) > 0.01 for a, b in zip(first, value))}
-        check(f"{width} x {height}: taking hold, and all that is said, moves nothing under the pointer", moved == {}, moved)
+        check(f"{width} x {height}: changes of holder and verdict do not move the stage", moved == {}, moved)
     page.browser.resize(1360, 900)
 
 
@@ -297,28 +299,29 @@ def lost(page):
     page.verdict()
     page.browser.js("(window.refuse = true, socket.lose('the program ends'))")
     said = page.verdict()
-    check("a page without connection says so in the middle, and invites to nothing", said == "No connection: the picture is the last that came." and
-          not re.search("[Pp]ress|[Dd]rag", said + page.browser.text("notice")), [said, page.browser.text("notice")])
-    check("what is drawn is faint, and cannot be taken for touchable", page.browser.js("""(s => [Number(s.opacity) < 0.5, s.cursor])
+    check("a page without connection reports it in the verdict and does not invite", said == "No connection: the picture is the last one received." and
+          not re.search("[Pp]ress|[Dd]rag|[Pp]lay", said + page.browser.text("notice")), [said, page.browser.text("notice")])
+    check("without connection the stage is faint and its cursor is not-allowed", page.browser.js("""(s => [Number(s.opacity) < 0.5, s.cursor])
         (getComputedStyle(document.getElementById('stage')))""") == [True, "not-allowed"])
-    check("no number stands there as if it were true now", page.browser.text("force") == "–" and page.browser.text("tick_rate") == "–", page.browser.text("force"))
+    check("without connection force and tick rate are blank", page.browser.text("force") == "–" and page.browser.text("tick_rate") == "–", page.browser.text("force"))
     page.browser.js("window.sent.length = 0")
     x, y = page.browser.on_screen(-0.01, 0.05)
     page.browser.mouse_at("Pressed", x, y)
-    check("and a press takes no hold", page.browser.js("window.sent.filter(m => m.type === 'pointer').length") == 0, page.browser.js("window.sent"))
+    check("without connection a press of the mouse sends no pointer message", page.browser.js("window.sent.filter(m => m.type === 'pointer').length") == 0, page.browser.js("window.sent"))
     page.browser.mouse_at("Released", x, y)
     tried = page.browser.js("window.sockets")
-    check("it tries again by itself", page.browser.until(f"window.sockets > {tried}", 20), tried)
+    check("the page opens another connection by itself", page.browser.until(f"window.sockets > {tried}", 20), tried)
     page.browser.js("window.refuse = false")
-    check("and when there is a connection it goes on", page.browser.until("document.getElementById('connection').textContent === 'connected'", 20), page.browser.text("connection"))
+    check("the page is connected once the server accepts", page.browser.until("document.getElementById('connection').textContent === 'connected'", 20), page.browser.text("connection"))
     page.come(model_of(LEFT))
     page.states(5, pressed=-1)
     said = page.verdict()
-    check("as before", said.startswith("Nothing touches the tissue. Drag") and page.browser.text("tick_rate") == "1000 Hz", said)
-    page.browser.js("(window.silent = true, window.refuse = true)")  # or it is connected again before the verdict is read
+    check("after reconnection the page invites and shows the tick rate", said.startswith("Nothing touches the tissue. Drag") and page.browser.text("tick_rate") == "1000 Hz", said)
+    # prevents a new connection before the verdict is read
+    page.browser.js("(window.silent = true, window.refuse = true)")
     began = time.monotonic()
     silent = page.browser.until("document.getElementById('connection').textContent !== 'connected'", 60)
-    check("a server that falls silent is no connection either", silent and time.monotonic() - began > 4 and page.verdict().startswith("No connection"), time.monotonic() - began)
+    check("a silent server counts as disconnected, but not before 4 s", silent and time.monotonic() - began > 4 and page.verdict().startswith("No connection"), time.monotonic() - began)
 
 
 def arrows(page):
@@ -333,7 +336,7 @@ def arrows(page):
     page.open(model_of(LEFT))
     page.press((5, 0), (7, 0), (2, 0))
     seen = page.browser.js(colours)
-    check("the legend's arrow of the tool's force has the meshes' colours, as the arrows on them; black is finite elements' alone",
+    check("the legend's arrow of the tool's force has the colours of both meshes and no black",
           seen["learned"] > 30 and seen["heuristic"] > 30 and seen["black"] == 0, seen)
 
 
@@ -347,56 +350,60 @@ def snapping(page):
         page.browser.mouse("Moved", -0.0005, down[1])
         page.browser.driver.execute_async_script("setTimeout(arguments[0], 300)")
         page.browser.mouse("Moved", x, y)
-        page.browser.until("false", 3.2)   # longer than the tool is waited for, which does not come here, and on its way in
+        # longer than the page waits for the tool, which never arrives here, and then moves in
+        page.browser.until("false", 3.2)
         at = page.browser.js("window.sent.filter(m => m.type === 'pointer' && m.down).map(m => [m.x, m.y])")
         page.browser.mouse("Released", x, y)
         return at
 
     at = pressed_at((-0.02, 0.0525), 0.006, 0.0525)
-    check("a press that comes in 2.5 mm beside a known contact is at it", math.dist(at[-1], [0.006, 0.05]) < 2e-4, at[-1])
-    check("and the tool goes there before it goes in", any(math.dist(p, [-0.001, 0.05]) < 1e-5 for p in at) and
+    check("an indentation that enters 2.5 mm from a known contact moves to it", math.dist(at[-1], [0.006, 0.05]) < 2e-4, at[-1])
+    check("the tool moves to the known contact before it enters", any(math.dist(p, [-0.001, 0.05]) < 1e-5 for p in at) and
           all(abs(p[1] - 0.05) < 2e-4 for p in at if p[0] > 0), at)
     at = pressed_at((-0.02, 0.054), 0.006, 0.054)
-    check("4 mm beside it, it is where the pointer is", math.dist(at[-1], [0.006, 0.054]) < 2e-4, at[-1])
+    check("an indentation 4 mm from a known contact follows the pointer", math.dist(at[-1], [0.006, 0.054]) < 2e-4, at[-1])
     tilted = [0.006 * x for x in rotated(17)]
     at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
-    check("a push 3 degrees off a known one is along it", math.dist(at[-1], [0.006 * rotated(20)[0], 0.05 + 0.006 * rotated(20)[1]]) < 3e-4, at[-1])
+    check("a displacement 3 degrees from a known direction follows that direction", math.dist(at[-1], [0.006 * rotated(20)[0], 0.05 + 0.006 * rotated(20)[1]]) < 3e-4, at[-1])
     tilted = [0.006 * x for x in rotated(-20)]
     at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
-    check("as is one 20 degrees off, with none on its other side", math.dist(at[-1], [0.006, 0.05]) < 3e-4, at[-1])
+    check("a displacement 20 degrees outside the known directions follows the nearest one", math.dist(at[-1], [0.006, 0.05]) < 3e-4, at[-1])
     tilted = [0.006 * x for x in rotated(-55)]
     at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
-    check("one 55 degrees off is as the pointer goes", math.dist(at[-1], [tilted[0], 0.05 + tilted[1]]) < 8e-4, at[-1])   # from where it came in, 0.6 mm down
+    # from the entry point, which is 0.6 mm lower
+    check("a displacement 55 degrees outside the known directions follows the pointer", math.dist(at[-1], [tilted[0], 0.05 + tilted[1]]) < 8e-4, at[-1])
     tilted = [0.006 * x for x in rotated(10)]
     at = pressed_at((-0.02, 0.05), tilted[0], 0.05 + tilted[1])
-    check("and so is one between two known ones", math.dist(at[-1], [tilted[0], 0.05 + tilted[1]]) < 3e-4, at[-1])
+    check("a displacement midway between two known directions follows the pointer", math.dist(at[-1], [tilted[0], 0.05 + tilted[1]]) < 3e-4, at[-1])
     steps = [math.dist(a, b) for a, b in zip(at, at[1:]) if a[0] > 0]
-    check("the tool goes in slowly, whatever the pointer does", len(steps) > 5 and max(steps) < 0.0011, steps)
+    check("the tool enters in small steps after a jump of the pointer", len(steps) > 5 and max(steps) < 0.0011, steps)
 
 
 def clicking(page):
-    """Down inside the tissue, near its corner: the side is nearer than the top, where the known contact is."""
+    """A click inside the tissue near its corner: the side is nearer than the top, which has the known contact."""
     page.open(model_of([place("top", [0.0025, 0.1], [0, -1])]))
     page.states(5, pressed=-1)
     page.browser.js("window.sent.length = 0")
     page.browser.mouse("Pressed", 0.0035, 0.093)
     page.browser.until("false", 3.2)
     at = page.browser.js("window.sent.filter(m => m.type === 'pointer' && m.down).map(m => [m.x, m.y])")
-    check("a click comes in along the known push that leads there, not through the nearest side", math.dist(at[0], [0.0025, 0.101]) < 2e-4 and
+    check("after a click inside, the tool enters along the known direction, not through the nearest side", math.dist(at[0], [0.0025, 0.101]) < 2e-4 and
           math.dist(at[-1], [0.0025, 0.093]) < 2e-4, [at[0], at[-1]])
     page.browser.js("window.sent.length = 0")
     page.control("you")
-    page.browser.until("false", 0.2)   # a frame in which the tool is his and touches nothing: it is not in the tissue where the demo pressed
+    # a frame in which this page holds the tool without contact: it has left the demo's indentation
+    page.browser.until("false", 0.2)
     page.states(2, [[0.001, -0.007]] * 2, (0, -1), contact=(0.0015, 0.1))
     page.browser.until("window.sent.some(m => m.type === 'pointer' && m.down && Math.hypot(m.x - 0.0015, m.y - 0.093) < 2e-4)", 5)
     page.browser.mouse("Released", 0.0035, 0.093)
     at = page.browser.js("window.sent.filter(m => m.type === 'pointer' && m.down).map(m => [m.x, m.y])")
-    check("a tool that came upon the tissue 1 mm beside the contact pushes along the known push from there", len(at) > 0 and
+    check("a tool that touches the tissue 1 mm from the contact moves in the known direction from there", len(at) > 0 and
           math.dist(at[-1], [0.0015, 0.093]) < 2e-4, at[-1:])
 
 
 def taking_over(page):
-    """The demo presses while a visitor takes over: his press begins when its tool has left the tissue, and waits before the contact."""
+    """A user takes over while the demo indents. The user's indentation starts after the tool has left the tissue and
+    waited before the contact."""
     page.open(model_of(LEFT), {"holder": "demo", "place": 0})
     page.states(5, [[0.005, 0]] * 2, (1, 0))
     page.browser.js("window.sent.length = 0")
@@ -407,18 +414,18 @@ def taking_over(page):
         page.states(2, [[0.004, 0]] * 2, (1, 0))
         page.browser.until("false", 0.05)
     at = page.browser.js(sent)
-    check("while the demo's tool is in the tissue, a press that takes over waits outside", len(at) > 0 and all(p[0] < 0 for p in at), at)
+    check("a takeover waits outside while the demo's tool is in the tissue", len(at) > 0 and all(p[0] < 0 for p in at), at)
     page.states(1, pressed=-1, tool=(-0.001, 0.05))   # on its way out
     page.browser.until("false", 0.1)
     page.states(1, pressed=-1, tool=(-0.006, 0.05))
     page.browser.until("false", 0.1)
     at = page.browser.js(sent)
-    check("and does not take it for the one that waits, as it leaves", all(p[0] < 0 for p in at), at)
+    check("a tool that passes the waiting point on its way out does not start the indentation", all(p[0] < 0 for p in at), at)
     page.states(10, pressed=-1, tool=(-0.001, 0.05))
     page.browser.until("false", 0.1)
     page.states(10, pressed=-1, tool=(-0.001, 0.05))
     went = page.browser.until(f"{sent}.some(p => p[0] > 0)", 1)
-    check("and goes in when the tool stands there", went, page.browser.js(sent)[-1:])
+    check("the indentation starts once the tool rests at the waiting point", went, page.browser.js(sent)[-1:])
     page.browser.mouse("Released", 0.006, 0.05)
 
 
@@ -427,7 +434,7 @@ def main():
     try:
         browser = Browser()
     except Missing as package:
-        check("a browser can be driven", False, f"missing package {package}; scripts/install_deps names it")
+        check("a browser is available", False, f"missing package {package}; scripts/install_deps names it")
         return 1
     with tempfile.TemporaryDirectory() as folder:
         server = None
@@ -439,7 +446,7 @@ def main():
                 if not only or part.__name__ in only:
                     part(page)
             seen = [line for line in browser.complaints() if "getImageData" not in line]
-            check("no complaint in the console", seen == [], seen[:3])
+            check("the console has no warnings or errors", seen == [], seen[:3])
         finally:
             browser.end()
             if server:

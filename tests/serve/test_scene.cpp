@@ -9,7 +9,7 @@ using namespace tissue;
 using namespace tissue::serve;
 using Json = nlohmann::json;
 
-TEST_CASE("cases of one contact and direction are one place, with its curve from rest", "[serve]") {
+TEST_CASE("load cases of one contact and direction form one place with a force curve from rest", "[serve]") {
     const Shown s;
     REQUIRE(s.scene.places().size() == 9);
     const Place& top = s.scene.places()[1];
@@ -31,12 +31,12 @@ TEST_CASE("cases of one contact and direction are one place, with its curve from
     CHECK(j["high_m"][0].get<double>() == Approx(0.25));
     CHECK(j["places"][1]["curve"].size() == 3);
 
-    const TissueModel without = haptic_example();   // of an earlier program
+    const TissueModel without = haptic_example();   // without FE forces, as files of earlier programs
     const HapticModel model(without, {});
     CHECK(Json::parse(Scene(without, model).message({"a"}, 0))["places"][0]["curve"].empty());
 }
 
-TEST_CASE("the nearest place is the one at the contact whose push is most like ours, with FE's force at its depth", "[serve]") {
+TEST_CASE("the nearest place has the nearest contact and most similar direction; its FE force is at the present depth", "[serve]") {
     const Shown s;
     Simulation simulation(s.model);
     StateChannel channel(s.model, 1);
@@ -62,8 +62,8 @@ TEST_CASE("the nearest place is the one at the contact whose push is most like o
     CHECK(s.scene.places()[static_cast<std::size_t>(top.place)].name == "top");
     CHECK(top.distance_m == Approx(0.01));
     CHECK(top.force_N == Approx(0.024));
-    CHECK(std::isnan(at(0.06, 0.1, {0, -0.02}).force_N));   // deeper than FE was asked
-    CHECK(std::isnan(at(0.06, 0.1, {0, 0.001}).force_N));   // pulled
+    CHECK(std::isnan(at(0.06, 0.1, {0, -0.02}).force_N));   // deeper than the FE reference
+    CHECK(std::isnan(at(0.06, 0.1, {0, 0.001}).force_N));   // pulled outwards
 
     TickSummary summary;
     summary.ticks = 42;
@@ -81,7 +81,7 @@ TEST_CASE("the nearest place is the one at the contact whose push is most like o
     CHECK((node[0] == Approx(0.1) && node[1] == Approx(0.1)));
 }
 
-TEST_CASE("a law has a scene too: its springs, its places and what FE says there, and no spring sets", "[serve]") {
+TEST_CASE("the scene of an energy model has springs and places with FE forces and no spring set", "[serve]") {
     TissueModel tissue = law_example();
     tissue.contact_force_N = 100 * tissue.magnitude_m.asDiagonal() * tissue.direction;
     const HapticModel model(tissue, {});
@@ -89,9 +89,9 @@ TEST_CASE("a law has a scene too: its springs, its places and what FE says there
     const Json message = Json::parse(scene.message({"law"}, 0));
     CHECK(message["law"] == true);
     CHECK(message["places"].size() == 5);
-    CHECK(message["meshes"][0]["stiffness_N_m"][7].get<double>() == Approx(tissue.energy_law->constants[7]));
+    CHECK(message["meshes"][0]["stiffness_N_m"][7].get<double>() == Approx(tissue.energy_model->constants[7]));
 
-    // the demo's own press: FE's force is told at the tool's depth
+    // in an indentation by the demo, the FE force is that at the tool's depth
     Simulation simulation(model);
     StateChannel channel(model, 1);
     Hand hand(scene);
@@ -106,27 +106,27 @@ TEST_CASE("a law has a scene too: its springs, its places and what FE says there
         if (near.place < 0) continue;
         CHECK(channel.state().record.set == -1);
         const double depth = channel.state().record.contact_displacement_m.dot(scene.places()[static_cast<std::size_t>(near.place)].direction);
-        if (!std::isfinite(near.force_N)) continue;  // deeper than FE went
+        if (!std::isfinite(near.force_N)) continue;  // deeper than the FE reference
         ++compared;
         CHECK(near.force_N == Approx(100 * depth).margin(1e-9));
     }
     CHECK(compared > 500);
 }
 
-TEST_CASE("a law that relaxes says how the force under its tool does; other models say nothing of it", "[serve]") {
+TEST_CASE("the model message of a relaxing energy model has the relaxation of its contact; others have none", "[serve]") {
     const auto told = [](const TissueModel& tissue) {
         const HapticModel model(tissue, {});
         return Json::parse(Scene(tissue, model).message({"a"}, 0));
     };
     TissueModel tissue = relaxing(law_example());
-    tissue.energy_law->relaxation.share *= 0.5;   // what is told is the contact's
+    tissue.energy_model->relaxation.share *= 0.5;   // the message has the contact's moduli, not these
     const Json relaxation = told(tissue)["relaxation"];
     CHECK(relaxation == Json({{"tau_s", {0.05, 1.0, 10.0}}, {"share", {0.30, 0.25, 0.20}}}));
     CHECK(told(law_example()).count("relaxation") == 0);
     CHECK(told(with_forces()).count("relaxation") == 0);
 }
 
-TEST_CASE("a state says when the tissue was last put to rest: at the beginning, or when someone asked for it", "[serve]") {
+TEST_CASE("a state has the time of the last reset and 0 before the first", "[serve]") {
     const TissueModel tissue = relaxing(law_example());
     const HapticModel model(tissue, {});
     const Scene scene(tissue, model);

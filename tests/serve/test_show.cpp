@@ -14,7 +14,7 @@ using namespace tissue;
 using namespace tissue::serve;
 using Json = nlohmann::json;
 
-TEST_CASE("the first to put the pointer down holds the tissue until it lets go, leaves or falls silent", "[serve]") {
+TEST_CASE("the first client with its pointer down holds the tissue until it releases it or leaves or stops sending", "[serve]") {
     Stand s;
     s.show->join(1);
     s.show->join(2);
@@ -22,7 +22,7 @@ TEST_CASE("the first to put the pointer down holds the tissue until it lets go, 
     CHECK(s.last_holder(1) == "demo");
     CHECK(s.point(1, 0.05, 0.09, true));
     CHECK((s.last_holder(1) == "you" && s.last_holder(2) == "other"));
-    CHECK(s.point(2, 0.05, 0.09, true));                          // in vain, but no offence
+    CHECK(s.point(2, 0.05, 0.09, true));                          // no effect, but not refused
     CHECK_FALSE(s.show->hear(2, R"({"type":"pause","on":true})", s.now_s));
     CHECK_FALSE(s.show->hear(2, R"({"type":"demo","place":0})", s.now_s));
     CHECK_FALSE(s.show->hear(2, R"({"type":"model","model":1})", s.now_s));
@@ -35,10 +35,10 @@ TEST_CASE("the first to put the pointer down holds the tissue until it lets go, 
     CHECK((s.last_holder(1) == "other" && s.last_holder(2) == "you"));
     s.pass(1.5);
     CHECK(s.last_holder(2) == "you");
-    s.pass(1);                                                    // silent for two seconds
+    s.pass(1);                                                    // no message for more than 2 s
     CHECK(s.last_holder(2) == "nobody");
     s.pass(4);
-    CHECK(s.last_holder(2) == "demo");                            // it begins by itself
+    CHECK(s.last_holder(2) == "demo");                            // the demo starts by itself
     CHECK(s.point(1, 0.05, 0.09, true));
     s.show->leave(1);
     CHECK(s.last_holder(2) == "nobody");
@@ -50,14 +50,14 @@ TEST_CASE("the first to put the pointer down holds the tissue until it lets go, 
     CHECK(s.show->hear(2, "x", s.now_s)->reason == "not JSON");
 }
 
-TEST_CASE("a pointer of another dimension is refused, but not while it may have crossed the news of another model", "[serve]") {
+TEST_CASE("a pointer of the wrong dimension is refused except in the 2 s after a change of model", "[serve]") {
     Stand s;
     s.show->join(1);
     const char* in_space = R"({"type":"pointer","x":0.05,"y":0.05,"z":0.05,"down":true})";
     const auto refused = s.show->hear(1, in_space, s.now_s);
     REQUIRE(refused);
     CHECK(refused->kind == std::string("message"));
-    CHECK(refused->reason == "'z' is of models in space, and this one is in the plane");
+    CHECK(refused->reason == "'z' is not allowed: this model is in the plane");
     CHECK(s.last_holder(1) == "demo");
     CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":1})", s.now_s));
     CHECK_FALSE(s.show->hear(1, in_space, s.now_s + 1.9));
@@ -66,7 +66,7 @@ TEST_CASE("a pointer of another dimension is refused, but not while it may have 
     s.stage->stop();
 }
 
-TEST_CASE("models change on the running stage, counts go on, and a pause lasts", "[serve]") {
+TEST_CASE("a running stage changes models at most every 0.5 s and keeps its counts and a pause", "[serve]") {
     Stand s;
     CHECK(s.stage->names() == std::vector<std::string>{"example", "example (2)"});
     s.stage->start(nullptr);
@@ -91,7 +91,7 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
     s.show->step(s.now_s = turned_s + 0.49);
     CHECK(s.stage->index() == 1);   // too soon after the last change
     s.show->step(s.now_s = turned_s + 0.51);
-    CHECK(s.stage->index() == 0);   // what was asked for last comes when it may
+    CHECK(s.stage->index() == 0);   // the last request is done after 0.5 s
     CHECK_FALSE(s.show->hear(1, R"({"type":"model","model":1})", s.now_s));
     s.show->step(s.now_s += 0.51);
     CHECK(s.stage->index() == 1);
@@ -121,7 +121,7 @@ TEST_CASE("models change on the running stage, counts go on, and a pause lasts",
     CHECK(refusal<MismatchError>([&] { Stage({s.folder.file("a.h5")}, wrong); }).find("a.h5: spring sets 'best'") != std::string::npos);
 }
 
-TEST_CASE("two tools are led by one page or two, and a state has both", "[serve][two]") {
+TEST_CASE("two clients lead one tool each and a state has the numbers of both tools", "[serve][two]") {
     const bool solid = GENERATE(false, true);
     const TemporaryFolder folder;
     const std::string file = folder.file("law.h5");
@@ -155,10 +155,10 @@ TEST_CASE("two tools are led by one page or two, and a state has both", "[serve]
     CHECK(model[1]["tools"] == 2);
     CHECK(control[1]["holders"] == Json({"demo", "nobody"}));
     const Point left = at(0.3, 0.004), right = at(0.7, 0.004);
-    CHECK_FALSE(point(2, 1, right, true));  // the demo of the first ends
+    CHECK_FALSE(point(2, 1, right, true));  // ends the demo of the first tool
     CHECK(control[2]["holders"] == Json({"nobody", "you"}));
     CHECK((control[2]["holder"] == "you" && control[1]["holder"] == "other"));
-    CHECK_FALSE(point(1, 1, left, true));  // it is the other's
+    CHECK_FALSE(point(1, 1, left, true));  // the other client holds it
     CHECK(control[1]["holders"] == Json({"nobody", "other"}));
     CHECK_FALSE(point(1, 0, left, true));
     CHECK(control[1]["holders"] == Json({"you", "other"}));
@@ -189,11 +189,11 @@ TEST_CASE("two tools are led by one page or two, and a state has both", "[serve]
         if (solid) p[2] = head[own + 14 + (k - 2) / 2];
         return p;
     };
-    CHECK(vector(8)[low.size() - 1] < 0);  // it presses down
+    CHECK(vector(8)[low.size() - 1] < 0);  // the force on the tissue points down
     CHECK((vector(8) + vector(10)).norm() < 1e-6);
     CHECK(vector(6)[low.size() - 1] < 0);
     CHECK((vector(4) - vector(2)).norm() < 0.01);
-    const double beside_m = 5e-3;  // the contact, at rest, is where the tool came in
+    const double beside_m = 5e-3;  // largest lateral distance of the contact at rest from the tool
     CHECK((vector(12) - vector(2)).head(low.size() - 1).norm() < beside_m);
     CHECK_FALSE(point(2, 1, right, false));
     CHECK(control[1]["holders"] == Json({"you", "nobody"}));
@@ -201,7 +201,7 @@ TEST_CASE("two tools are led by one page or two, and a state has both", "[serve]
     stage.stop();
     CHECK(stage.counts().faults() == 0);
     CHECK(stage.counts().clamped == stage.simulation().safety(0).counters().clamped + stage.simulation().safety(1).counters().clamped);
-    // another model, of another dimension: pointers and hands of both tools are in its space
+    // after a change to a model of the other dimension the pointers of both tools have that dimension
     const std::string other = folder.file("other.h5");
     write_model(other, solid ? law_example() : solid_example(), {"test", 1, {}});
     Stage pair({file, other}, options);
@@ -217,7 +217,7 @@ TEST_CASE("two tools are led by one page or two, and a state has both", "[serve]
     CHECK(refusal<MismatchError>([&] { Stage({file}, options); }).find("--tools") == 0);
 }
 
-TEST_CASE("options of spring sets apply to the sets where an energy model is served beside them, and are refused where there are none", "[serve]") {
+TEST_CASE("an option of spring sets is accepted if one model has sets and refused for energy models alone", "[serve]") {
     const TemporaryFolder folder;
     write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
     write_model(folder.file("sets.h5"), haptic_example(), {"test", 1, {}});
@@ -227,11 +227,11 @@ TEST_CASE("options of spring sets apply to the sets where an energy model is ser
     CHECK(refusal<MismatchError>([&] { Stage({folder.file("law.h5")}, options); }).find("law.h5: innovation") != std::string::npos);
 }
 
-TEST_CASE("a model that learns while it plays: everyone hears what became of each reading, and those who come later what is known", "[serve][adapt][long]") {
+TEST_CASE("a model that adapts sends the results of its measurements; a client that joins later gets the newest", "[serve][adapt][long]") {
     const TemporaryFolder folder;
     TissueModel hidden = law_example();
-    for (double& constant : hidden.energy_law->constants) constant *= 1.5;
-    hidden.energy_law->patch.log_N_m.array() += std::log(1.5);
+    for (double& constant : hidden.energy_model->constants) constant *= 1.5;
+    hidden.energy_model->patch.log_N_m.array() += std::log(1.5);
     write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
     write_model(folder.file("hidden.h5"), hidden, {"test", 1, {}});
     write_model(folder.file("sets.h5"), haptic_example(), {"test", 1, {}});

@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// A state in space of two meshes of so many nodes, all of them somewhere in a cube of 0.1 m.
+/// A frame in space with two meshes of `nodes` nodes each, at random positions in a cube of 0.1 m.
 Frame some_frame(Draw& draw, int nodes) {
     Frame frame;
     frame.dimension = 3;
@@ -29,7 +29,7 @@ Frame some_frame(Draw& draw, int nodes) {
     return frame;
 }
 
-/// What a page makes of frames, as cli/view/state.js does; counts how many nodes each carried.
+/// Decodes frames as cli/view/state.js does, and counts the nodes in each.
 struct Reader {
     std::vector<std::vector<float>> nodes;
     std::vector<std::size_t> carried;
@@ -63,7 +63,7 @@ bool in_boxes(const Point& p, double margin) {
     return false;
 }
 
-/// The solid of the examples with FE forces, 100 N/m along the push, and a displacement of FE at every case.
+/// The solid example with FE forces, 100 N per metre of tool displacement, and FE displacements at every load case.
 struct Solid {
     TissueModel tissue;
     std::vector<NodeField> fe_m;
@@ -79,7 +79,7 @@ struct Solid {
 
 }  // namespace
 
-TEST_CASE("in space a page's first state has every node, and each after it those that moved by more than 1 um", "[serve]") {
+TEST_CASE("in space the first state has every node and later states only nodes that moved by more than 1 um", "[serve]") {
     Draw draw(15);
     Frame frame = some_frame(draw, 400);
     FrameCoder coder;
@@ -96,7 +96,7 @@ TEST_CASE("in space a page's first state has every node, and each after it those
     frame.nodes_m[0][3 * 7] += 0.9e-6F;
     page.read(coder.encode(frame));
     CHECK(page.carried == std::vector<std::size_t>{0, 0});
-    frame.nodes_m[0][3 * 7] += 0.9e-6F;   // together more than 1 um from where the page has it
+    frame.nodes_m[0][3 * 7] += 0.9e-6F;   // in total more than 1 um from its position on the page
     frame.nodes_m[1][3 * 9 + 2] = std::numeric_limits<float>::quiet_NaN();
     page.read(coder.encode(frame));
     CHECK(page.carried == std::vector<std::size_t>{1, 1});
@@ -106,13 +106,13 @@ TEST_CASE("in space a page's first state has every node, and each after it those
     coder.forget();
     page.read(coder.encode(frame));
     CHECK(page.carried == std::vector<std::size_t>{400, 400});
-    const Frame other = some_frame(draw, 300);   // of another model, should anybody forget to say so
+    const Frame other = some_frame(draw, 300);   // of another model, without a call of forget()
     Reader again;
     again.read(coder.encode(other));
     CHECK(again.nodes == other.nodes_m);
 }
 
-TEST_CASE("however nodes wander and whichever states are left out, a page has none of them wrong by more than 1 um", "[serve]") {
+TEST_CASE("random motion and dropped states leave every node position on a page within 1 um", "[serve]") {
     Draw draw(16);
     Frame frame = some_frame(draw, 120);
     FrameCoder coders[2];
@@ -123,7 +123,7 @@ TEST_CASE("however nodes wander and whichever states are left out, a page has no
             for (float& x : mesh)
                 if (draw.below(3) == 0) x += static_cast<float>(draw(-4e-7, 6e-7));
         for (int p = 0; p < 2; ++p) {
-            if (p == 1 && k > 0 && draw.below(3) > 0) continue;   // this one is slow
+            if (p == 1 && k > 0 && draw.below(3) > 0) continue;   // this page misses states
             pages[p].read(coders[p].encode(frame));
             told += pages[p].carried[0];
             for (std::size_t m = 0; m < 2; ++m)
@@ -135,10 +135,10 @@ TEST_CASE("however nodes wander and whichever states are left out, a page has no
         }
     }
     CHECK(told > 240);
-    CHECK(told < 120 * 200);   // far from all of them each time
+    CHECK(told < 120 * 200);   // far fewer than all nodes in each state
 }
 
-TEST_CASE("in the plane every state has every node, for whoever reads it", "[serve]") {
+TEST_CASE("in the plane every state has every node", "[serve]") {
     Frame frame;
     frame.head.assign(32, 1.5);
     frame.nodes_m = {{1, 2, 3, 4}, {5, 6, 7, 8}};
@@ -151,7 +151,7 @@ TEST_CASE("in the plane every state has every node, for whoever reads it", "[ser
     CHECK(last == 8);
 }
 
-TEST_CASE("in space the way from place to place goes over the tissue or beside it, never under it", "[serve]") {
+TEST_CASE("in space the path between two points outside the tissue goes over or beside it but never below", "[serve]") {
     Draw draw(5);
     const auto somewhere = [&] { return outside(two_boxes, Eigen::Vector3d(draw(-0.1, 0.35), draw(-0.1, 0.18), draw(0, 0.15)), 0.01); };
     for (int k = 0; k < 300; ++k) {
@@ -169,18 +169,18 @@ TEST_CASE("in space the way from place to place goes over the tissue or beside i
         }
         CHECK(at == to);
     }
-    const Point low = outside(two_boxes, Eigen::Vector3d(0.05, 0.04, 0.001), 0.01);   // nearest to the held side
+    const Point low = outside(two_boxes, Eigen::Vector3d(0.05, 0.04, 0.001), 0.01);   // nearest to the fixed side
     CHECK(low[2] > 0);
     CHECK_FALSE(in_boxes(low, 0.0099));
 }
 
-TEST_CASE("FE's displacement in space is told with three numbers a node", "[serve]") {
+TEST_CASE("the near message of a solid has three displacement components per node", "[serve]") {
     NodeField u(2, 3);
     u << 0.00123456789, -0.002, 1e-9, 0, 0, -0.005;
     CHECK(Json::parse(near_message(0, 0, {{0.01, u}}))["outline"] == Json::parse("[[0.01, [[0.0012346, -0.002, 0.0], [0.0, 0.0, -0.005]]]]"));
 }
 
-TEST_CASE("of a solid a page is told the surface alone: its nodes, its facets by their numbers, and the places with their normals", "[serve]") {
+TEST_CASE("the model message of a solid has only its surface nodes with their facets and places with their normals", "[serve]") {
     const Solid s;
     const SpringMesh& mesh = s.tissue.mesh;
     REQUIRE(s.scene->shown().size() == 75 - 9);   // 5 x 5 x 3 nodes, of which 3 x 3 x 1 lie inside
@@ -189,7 +189,7 @@ TEST_CASE("of a solid a page is told the surface alone: its nodes, its facets by
     const Json& learned = j["meshes"][0];
     CHECK((learned.count("springs") == 0 && learned["nodes_m"].size() == 66 && learned["fixed"].size() == 25));
     REQUIRE(learned["facets"].size() == static_cast<std::size_t>(mesh.facets.rows()));
-    double volume = 0;   // by the divergence of x / 3 over facets whose normals point out
+    double volume = 0;   // divergence theorem for x / 3 over facets with outward normals
     for (const Json& facet : learned["facets"]) {
         Eigen::Vector3d corner[3];
         for (std::size_t k = 0; k < 3; ++k)
@@ -208,7 +208,7 @@ TEST_CASE("of a solid a page is told the surface alone: its nodes, its facets by
         CHECK(deep.displacement_m.row(static_cast<Eigen::Index>(k)) == s.fe_m[1].row(s.scene->shown()[k]));
 }
 
-TEST_CASE("a carried surface is told in bytes: places, facets, and which of the page's nodes carry a vertex", "[serve]") {
+TEST_CASE("a carried surface is encoded as vertex positions and facets and the nodes and weights of each vertex", "[serve]") {
     Solid s;
     CHECK((s.scene->carried().empty() && !Json::parse(s.scene->message({"solid"}, 0)).contains("surface")));
     CarriedSurface surface = own_surface(s.tissue.mesh);
@@ -235,7 +235,7 @@ TEST_CASE("a carried surface is told in bytes: places, facets, and which of the 
         for (std::size_t k = 0; k < 3; ++k) CHECK(word(facets + 3 * f + k) == learned["facets"][f][k].get<std::size_t>());
 }
 
-TEST_CASE("a nodule is told where the learned mesh stands, with those of the page's nodes that carry it, inner ones too", "[serve]") {
+TEST_CASE("the model message has the nodule in the trained mesh and the inner nodes that carry it", "[serve]") {
     Solid s;
     CHECK_FALSE(Json::parse(s.scene->message({"solid"}, 0)).contains("nodule"));
     s.tissue.nodule = nodule_surface(Inclusion(Eigen::Vector3d(0.052, 0.05, 0.026), 0.01));
@@ -244,7 +244,7 @@ TEST_CASE("a nodule is told where the learned mesh stands, with those of the pag
     const Json j = Json::parse(scene.message({"solid"}, 0)), &nodule = j["nodule"], &nodes = j["meshes"][0]["nodes_m"];
     REQUIRE((nodule["points_m"].size() == 162 && nodule["facets"].size() == 320 && nodule["nodes"].size() == 162));
     CHECK(nodes.size() == scene.shown().size());
-    for (std::size_t v = 0; v < 162; ++v)   // a point is the weighted mean of the nodes that it is told to go with
+    for (std::size_t v = 0; v < 162; ++v)   // each point is the weighted mean of its four nodes
         for (std::size_t a = 0; a < 3; ++a) {
             double at = 0;
             for (std::size_t k = 0; k < 4; ++k) at += nodule["weights"][v][k].get<double>() * nodes[nodule["nodes"][v][k].get<std::size_t>()][a].get<double>();
@@ -254,7 +254,7 @@ TEST_CASE("a nodule is told where the learned mesh stands, with those of the pag
     CHECK(scene.places()[0].outlines.back().displacement_m.rows() == static_cast<Eigen::Index>(nodes.size()));
 }
 
-TEST_CASE("a state in space has three numbers of every vector, and the surface's nodes of each mesh", "[serve]") {
+TEST_CASE("a state in space has three components of every vector and the surface nodes of each mesh", "[serve]") {
     const Solid s;
     Simulation simulation(*s.model);
     StateChannel channel(*s.model, 1);
@@ -296,12 +296,12 @@ TEST_CASE("a state in space has three numbers of every vector, and the surface's
     }
 }
 
-TEST_CASE("in space the hand comes to the surface along its normal, goes on to where the person is, and leaves as it came", "[serve]") {
+TEST_CASE("in space the hand approaches along the surface normal and follows the client and leaves to the outside", "[serve]") {
     const Solid s;
     Draw draw(6);
     for (int k = 0; k < 60; ++k) {
         Hand hand(*s.scene);
-        const bool side = k % 2 == 1;   // of the top, and of the side at x = 0
+        const bool side = k % 2 == 1;   // the top, or the side at x = 0
         const Eigen::Vector3d contact = side ? Eigen::Vector3d(0, draw(0.01, 0.09), draw(0.01, 0.04)) : Eigen::Vector3d(draw(0.01, 0.09), draw(0.01, 0.09), 0.05),
                               inward = side ? Eigen::Vector3d(1, 0, 0) : Eigen::Vector3d(0, 0, -1);
         double depth = 0;
@@ -318,15 +318,15 @@ TEST_CASE("in space the hand comes to the surface along its normal, goes on to w
         }
         REQUIRE(touched);
         CHECK((hand.at() - (contact + 0.006 * inward)).norm() < 1e-12);
-        hand.follow(contact + 0.004 * inward + Eigen::Vector3d(0, 0.001, 0));   // now it is led
+        hand.follow(contact + 0.004 * inward + Eigen::Vector3d(0, 0.001, 0));   // the hand now follows directly
         CHECK((hand.step(0.016) - (contact + 0.004 * inward + Eigen::Vector3d(0, 0.001, 0))).norm() < 1e-12);
         hand.let_go();
         for (int t = 0; t < 100; ++t) hand.step(0.016);
         CHECK((hand.at() - contact).dot(inward) < -0.0099);
-        hand.follow(Eigen::Vector3d(0.3, -0.2, -1e300));   // nobody gets under the table
+        hand.follow(Eigen::Vector3d(0.3, -0.2, -1e300));   // never below the support
         for (int t = 0; t < 1000; ++t) REQUIRE(hand.step(0.016)[2] >= 0);
     }
-    Hand hand(*s.scene);   // the demo presses each place as deep as its case, in its direction
+    Hand hand(*s.scene);   // the demo indents a place to the depth of its load case, in its direction
     hand.demonstrate(1);
     double deepest = 0;
     const Place& place = s.scene->places()[1];
@@ -334,7 +334,7 @@ TEST_CASE("in space the hand comes to the surface along its normal, goes on to w
     CHECK(deepest == Approx(0.005).margin(0.0004));
 }
 
-TEST_CASE("in space a pointer needs its z, and holds the tissue with it", "[serve]") {
+TEST_CASE("in space a pointer without z is refused and one with z holds the tissue", "[serve]") {
     const TemporaryFolder folder;
     write_model(folder.file("solid.h5"), Solid().tissue, {"test", 1, {}});
     write_model(folder.file("plane.h5"), haptic_example(), {"test", 1, {}});
@@ -348,7 +348,7 @@ TEST_CASE("in space a pointer needs its z, and holds the tissue with it", "[serv
     CHECK_FALSE(show.hear(1, R"({"type":"pointer","x":0.05,"y":0.05,"z":0.05,"down":true})", 10));
     CHECK(Json::parse(heard)["holder"] == "you");
     stage.start(nullptr);
-    CHECK_FALSE(show.hear(1, R"({"type":"model","model":1})", 11));   // the pointer and the tick are of the plane from here on
+    CHECK_FALSE(show.hear(1, R"({"type":"model","model":1})", 11));   // pointer and ticks are in the plane from here on
     CHECK_FALSE(show.hear(1, R"({"type":"pointer","x":0.05,"y":0.05,"down":true})", 14));
     CHECK(wait_for([&, now = 14.0]() mutable { return show.step(now += 0.016) && show.frame().dimension == 2; }));
     CHECK_FALSE(show.hear(1, R"({"type":"model","model":0})", 15));

@@ -1,4 +1,5 @@
-"""A WebSocket client that can also misbehave, from Python's own library alone: what tests and bench of `tissuectl serve` use."""
+"""A WebSocket client for tests and bench of `tissuectl serve`, which can also violate the protocol. It needs only the
+standard library."""
 import base64
 import json
 import os
@@ -9,11 +10,11 @@ import subprocess
 import time
 
 TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
-PATIENCE_S = 120  # what is waited for comes in less than one; only a test that fails, or a machine that is busy, waits longer
+PATIENCE_S = 120  # longest wait; waits take less than 1 s except in a failing test or on a busy machine
 
 
 def wait_for(wanted, seconds=PATIENCE_S):
-    """The first true answer of wanted(), asked again and again; its last one when none came in time."""
+    """Polls wanted() until its value is true, and returns that; after the time it returns the last value."""
     end = time.monotonic() + seconds
     while not (answer := wanted()) and time.monotonic() < end:
         time.sleep(0.02)
@@ -21,7 +22,7 @@ def wait_for(wanted, seconds=PATIENCE_S):
 
 
 class Server:
-    """A running `tissuectl serve`, on a port of its own choice."""
+    """A running `tissuectl serve`; its port is read from its output."""
 
     def __init__(self, program, *arguments, **environment):
         self.process = subprocess.Popen([program, "serve", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -30,7 +31,7 @@ class Server:
         while self.url is None:
             line = self.process.stderr.readline()
             if not line:
-                raise RuntimeError(f"it did not start: {self.said}")
+                raise RuntimeError(f"tissuectl serve did not start: {self.said}")
             self.said += line
             if line.startswith("tissuectl serve: http://"):
                 self.url = line.split()[-1]
@@ -38,7 +39,7 @@ class Server:
         self.port = int(self.host.rsplit(":", 1)[1])
 
     def end(self, signal=15):
-        """Exit status, standard output, all of standard error."""
+        """Sends a signal; returns exit status, standard output and all of standard error."""
         self.process.send_signal(signal)
         return self.wait()
 
@@ -48,7 +49,7 @@ class Server:
 
 
 def request(port, text, timeout=PATIENCE_S):
-    """Everything that comes back for these bytes until the other side closes."""
+    """The whole answer to these bytes, until the server closes."""
     with socket.create_connection(("127.0.0.1", port), timeout=timeout) as s:
         s.sendall(text if isinstance(text, bytes) else text.encode())
         answer = b""
@@ -80,7 +81,7 @@ def numbers(payload):
 
 
 class Client:
-    """One WebSocket. Raises Refused when the handshake is."""
+    """One WebSocket. Raises Refused if the server refuses the handshake."""
 
     def __init__(self, port, path="/ws", headers="", host=None, receive_buffer=None):
         self.socket = socket.socket()
@@ -113,7 +114,7 @@ class Client:
         return taken
 
     def receive(self):
-        """(kind, payload) of the next frame; the server's are whole messages."""
+        """(kind, payload) of the next frame; the server sends each message in one frame."""
         first, second = self.take(2)
         size = second & 127
         if size > 125:
@@ -137,7 +138,7 @@ class Client:
         self.send(json.dumps(message))
 
     def until(self, wanted, seconds=PATIENCE_S):
-        """The first message for which wanted(kind, payload) holds; None when none comes in time."""
+        """The first message for which wanted(kind, payload) is true; None after the time."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             kind, payload = self.receive()
@@ -156,7 +157,7 @@ class Client:
         return numbers(self.until(lambda kind, _: kind == BINARY)[1])
 
     def ended(self, seconds=PATIENCE_S):
-        """(code, reason) of the server's close; (None, "") when it just hangs up, None when it does neither."""
+        """(code, reason) of the server's close frame; (None, "") if it disconnects without one; None after the time."""
         try:
             found = self.until(lambda kind, _: kind == CLOSE, seconds)
         except (EOFError, ConnectionError):
@@ -169,10 +170,10 @@ class Client:
         self.socket.close()
 
 
-# ---- misbehaviour
+# ---- violations of the protocol
 
 def hostile_frames(port, count, seed=1):
-    """Sends so many frames that no page would, on as many connections as it takes; returns how many it sent."""
+    """Sends at least `count` frames that no page sends, over several connections. Returns their number."""
     draw = random.Random(seed)
     sent = 0
     while sent < count:
@@ -185,7 +186,7 @@ def hostile_frames(port, count, seed=1):
             for _ in range(draw.randrange(1, 60)):
                 sent += 1
                 kind = draw.randrange(8)
-                if kind < 3:   # well-formed, but what no hand does
+                if kind < 3:   # well-formed, but no motion of a hand
                     client.say(type="pointer", x=draw.uniform(-1e6, 1e6), y=draw.choice([1e300, -1e300, draw.uniform(0, .1)]), down=True,
                                **draw.choice([{}, {}, {"z": draw.choice([1e300, draw.uniform(0, .1)])}]))
                 elif kind == 3:
@@ -205,7 +206,7 @@ def hostile_frames(port, count, seed=1):
 
 
 def connects(port, count, seed=2):
-    """Connects and goes away again, at every stage of a conversation."""
+    """Connects `count` times, and disconnects at a random stage up to the finished handshake."""
     draw = random.Random(seed)
     for _ in range(count):
         kind = draw.randrange(4)

@@ -5,10 +5,10 @@
 
 namespace tissue {
 
-/// A law of a disc of 7 mm that knows discs from 4 to 10 mm, with terms of their size, and one load case of the smallest.
+/// An energy model of a 7 mm disc with size terms for discs of 4 to 10 mm, and one load case of the smallest disc.
 inline TissueModel several_discs() {
     TissueModel model = solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}));
-    LawModel& law = *model.energy_law;
+    EnergyModel& law = *model.energy_model;
     law.terms = {"spring.all", "contact.normal.size", "contact.hardening.size"};
     law.coefficients = Eigen::Vector3d(0, 0.3, 1.5);
     law.disc.correction.value = NodeField::Constant(model.mesh.facets.rows(), 10, 0.02);

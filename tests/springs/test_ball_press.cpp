@@ -1,5 +1,5 @@
-// A rigid ball on a law in space that knows discs of several radii.
-#include "springs/ball_press.h"
+// A rigid ball on an energy model in space for discs of several radii.
+#include "springs/ball_indentation.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -8,11 +8,11 @@
 #include "../refusal.h"
 #include "several_discs.h"
 #include "error.h"
-#include "springs/energy_law.h"
-#include "springs/law_at_radius.h"
+#include "springs/energy_model_terms.h"
+#include "springs/energy_model_at_radius.h"
 #include "springs/law_kernel.h"
-#include "springs/law_press.h"
-#include "springs/press.h"
+#include "springs/indentation_solver.h"
+#include "springs/equilibrium_solver.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -22,22 +22,23 @@ namespace {
 const Eigen::Vector3d place(0.021, 0.033, 0.02), inward(0, 0, -1);
 constexpr double ball_m = 0.010;
 
-/// What is stored where a ball's contact of that radius is pushed so [J].
+/// Energy [J] of the equilibrium under a ball's contact of radius radius_m at tool displacement push_m.
 double energy_J(const TissueModel& model, double radius_m, const Point& push_m) {
-    const LawModel law = law_of_ball(*model.energy_law, ball_m, radius_m);
+    const EnergyModel law = law_of_ball(*model.energy_model, ball_m, radius_m);
     const TissueEnergy tissue(model.mesh, law);
     const auto kernel = make_contact_kernel(model.mesh, law);
-    return PressSolver(tissue, *kernel).press(law.constants, ContactSpring(kernel->rows_at(place), law.patch), push_m).energy_J;
+    return EquilibriumSolver(tissue, *kernel).press(law.constants, ContactSpring(kernel->rows_at(place), law.patch), push_m).energy_J;
 }
 
 }  // namespace
 
-TEST_CASE("a ball's contact stores on a half space what Sneddon's sphere does", "[solid]") {
+TEST_CASE("on a half space the energy of a ball's contact has the force of Sneddon's sphere as derivative", "[solid]") {
     const TissueModel model = several_discs();
-    const BallPress ball(model.mesh, *model.energy_law, ball_m);
-    for (double x : {0.05, 0.2, 0.4, 0.6, 0.7, 0.833}) {  // of contact radius over the ball's, of the sphere
+    const BallIndentation ball(model.mesh, *model.energy_model, ball_m);
+    for (double x : {0.05, 0.2, 0.4, 0.6, 0.7, 0.833}) {  // Sneddon's contact radius over the ball's radius
         const double log = std::log((1 + x) / (1 - x)), depth_m = ball_m * x / 2 * log, force = (1 + x * x) / 2 * log - x;  // over E* R^2
-        const auto stored = [&](double d_m) { return 8.0 / 15 * ball.contact_radius_m(place, d_m * inward) * d_m * d_m; };  // over E*: the tapered disc's
+        // over E*; of the tapered disc
+        const auto stored = [&](double d_m) { return 8.0 / 15 * ball.contact_radius_m(place, d_m * inward) * d_m * d_m; };
         const double h = 1e-6 * depth_m;
         CHECK((stored(depth_m + h) - stored(depth_m - h)) / (2 * h) / (ball_m * ball_m) == Approx(force).epsilon(1e-3));
     }
@@ -45,9 +46,9 @@ TEST_CASE("a ball's contact stores on a half space what Sneddon's sphere does", 
     CHECK(ball.contact_radius_m(place, Eigen::Vector3d(0.001, 0, 0)) == 0);
 }
 
-TEST_CASE("a ball's force is what its energy grows by, and along the surface what its bound contact has", "[solid]") {
+TEST_CASE("a ball's normal force is the derivative of its energy; its tangential force is the bound contact's", "[solid]") {
     const TissueModel model = several_discs();
-    const BallPress ball(model.mesh, *model.energy_law, ball_m);
+    const BallIndentation ball(model.mesh, *model.energy_model, ball_m);
     for (double depth_m : {0.0004, 0.0025, 0.004}) {
         const Equilibrium answer = ball.at(place, depth_m * inward);
         REQUIRE(answer);
@@ -56,7 +57,8 @@ TEST_CASE("a ball's force is what its energy grows by, and along the surface wha
         INFO(depth_m << " m");
         CHECK(answer.contact_force.dot(inward) == Approx(grown).epsilon(1e-3));
 
-        // of a way that is a little tilted two thirds stretch the contact that is there in the end, and Q is its stiffness times that
+        // On a slightly tilted path two thirds of the tangential displacement stretch the final contact. The tangential
+        // force is that part times the stiffness.
         const Eigen::Vector3d across(0.6, 0.8, 0);
         const double along_m = 0.01 * depth_m, radius_m = ball.contact_radius_m(place, depth_m * inward);
         const auto to_side = [&](double s_m) { return energy_J(model, radius_m, depth_m * inward + s_m * across); };
@@ -67,22 +69,22 @@ TEST_CASE("a ball's force is what its energy grows by, and along the surface wha
     }
 }
 
-TEST_CASE("a contact that is bound is 15/8 as stiff along the surface as a disc's where the tissue gives way little", "[solid]") {
+TEST_CASE("on stiff tissue a bound contact is about 15/8 as stiff along the surface as a disc's", "[solid]") {
     TissueModel model = several_discs();
-    model.energy_law->constants *= 1e4;
-    const LawModel disc = law_of_contact(*model.energy_law, 0.007), ball = law_of_ball(*model.energy_law, ball_m, 0.007);
-    const auto stiffness = [&](const LawModel& law, const Eigen::Vector3d& way) {
-        return LawPress(model.mesh, law).at(place, 1e-6 * way).contact_force.norm() / 1e-6;
+    model.energy_model->constants *= 1e4;
+    const EnergyModel disc = law_of_contact(*model.energy_model, 0.007), ball = law_of_ball(*model.energy_model, ball_m, 0.007);
+    const auto stiffness = [&](const EnergyModel& law, const Eigen::Vector3d& way) {
+        return IndentationSolver(model.mesh, law).at(place, 1e-6 * way).contact_force.norm() / 1e-6;
     };
     const double along = stiffness(ball, Eigen::Vector3d::UnitX()) / stiffness(disc, Eigen::Vector3d::UnitX());
-    CHECK(along > 1.7);  // the imprint's rows, of a profile that does not taper, 1.71
+    CHECK(along > 1.7);  // 1.71 for the imprint's rows, whose profile does not taper
     CHECK(along < 2.1);
     CHECK(stiffness(ball, inward) == Approx(stiffness(disc, inward)).epsilon(1e-6));
 }
 
-TEST_CASE("a ball's force begins at none, as its depth to the power of 1.5, and does not jump where its contact is as small as the smallest disc", "[solid]") {
+TEST_CASE("a ball's force starts as depth^1.5 and is continuous where its contact has the smallest disc's radius", "[solid]") {
     const TissueModel model = several_discs();
-    const BallPress ball(model.mesh, *model.energy_law, ball_m);
+    const BallIndentation ball(model.mesh, *model.energy_model, ball_m);
     const auto force = [&](double depth_m) { return ball.at(place, depth_m * inward).contact_force.dot(inward); };
     CHECK(std::log(force(2e-5) / force(1e-5)) / std::log(2.0) == Approx(1.5).margin(0.05));
     const double smallest_m = 0.004 * 0.004 / ball_m * (1 + 0.004 * 0.004 / ball_m / ball_m / 7);  // to first order
@@ -92,14 +94,14 @@ TEST_CASE("a ball's force begins at none, as its depth to the power of 1.5, and 
     CHECK(force(0) == 0);
 }
 
-TEST_CASE("a ball is refused where the law knows no disc as large as its contact, and where there is no disc", "[solid]") {
+TEST_CASE("a ball is refused if its contact exceeds the largest disc or it is half in or there is one disc", "[solid]") {
     const TissueModel model = several_discs();
-    const BallPress ball(model.mesh, *model.energy_law, ball_m);
+    const BallIndentation ball(model.mesh, *model.energy_model, ball_m);
     CHECK_NOTHROW(ball.at(place, 0.0099 * inward));
-    for (double depth_m : {0.0101, 0.05, 0.2}) CHECK_THAT(refusal<ContactTooLargeError>([&] { ball.at(place, depth_m * inward); }), Contains("a ball of 10 mm pushed") && Contains("more than half in"));
-    const BallPress large(model.mesh, *model.energy_law, 0.02);
-    CHECK_THAT(refusal<ContactTooLargeError>([&] { large.at(place, 0.006 * inward); }), Contains("a ball of 20 mm pushed 6 mm in") && Contains("discs of 10 mm at the most"));
-    CHECK_THAT(refusal<MismatchError>([&] { BallPress(model.mesh, *model.energy_law, 0); }), Contains("needs a radius > 0"));
-    CHECK_THAT(refusal<MismatchError>([&] { BallPress(model.mesh, *solid_law_example(model.mesh).energy_law, ball_m); }), Contains("not of 7 mm alone"));
-    CHECK_THROWS_AS(BallPress(model.mesh, *model.energy_law, std::nan("")), MismatchError);
+    for (double depth_m : {0.0101, 0.05, 0.2}) CHECK_THAT(refusal<ContactTooLargeError>([&] { ball.at(place, depth_m * inward); }), Contains("a ball of 10 mm displaced") && Contains("more than half in"));
+    const BallIndentation large(model.mesh, *model.energy_model, 0.02);
+    CHECK_THAT(refusal<ContactTooLargeError>([&] { large.at(place, 0.006 * inward); }), Contains("a ball of 20 mm displaced by 6 mm") && Contains("largest disc of the training has 10 mm"));
+    CHECK_THAT(refusal<MismatchError>([&] { BallIndentation(model.mesh, *model.energy_model, 0); }), Contains("must be > 0"));
+    CHECK_THAT(refusal<MismatchError>([&] { BallIndentation(model.mesh, *solid_law_example(model.mesh).energy_model, ball_m); }), Contains("not only of 7 mm"));
+    CHECK_THROWS_AS(BallIndentation(model.mesh, *model.energy_model, std::nan("")), MismatchError);
 }

@@ -15,14 +15,14 @@ namespace {
 
 const Eigen::Vector3d tau(0.05, 1, 10), g(0.30, 0.25, 0.20);
 
-/// s of one branch after x has risen in a straight line for `rise` and stood still until t, from the differential equation.
+/// s of one branch at time t, from the differential equation. Up to `rise` x increases linearly, then it is constant.
 double ramp_held(double x, double rise, double t, double tau_s) {
     return x / rise * tau_s * (1 - std::exp(-rise / tau_s)) * std::exp(-(t - rise) / tau_s);
 }
 
 }  // namespace
 
-TEST_CASE("a branch is exact where the measure goes straight, however long the steps", "[memory]") {
+TEST_CASE("a Maxwell branch is exact for any step length where the measure changes linearly", "[memory]") {
     for (double dt : {0.001, 0.1, 0.5})
         for (int branches : {1, 2, 3, 5}) {
             Eigen::VectorXd times(branches), shares(branches);
@@ -39,13 +39,13 @@ TEST_CASE("a branch is exact where the measure goes straight, however long the s
             }
             double expected = 0.01 * (1 - shares.sum());
             for (int k = 0; k < branches; ++k) expected += shares[k] * ramp_held(0.01, rise, 2, times[k]);
-            INFO("dt " << dt << ", " << branches << " branches");
+            INFO("dt " << dt << ", " << branches << " Maxwell branches");
             CHECK(y[0] == Approx(expected).epsilon(1e-12));
             CHECK(y[6] == y[0]);
         }
 }
 
-TEST_CASE("elements with shares of their own relax each by its own, and as those that share them where they are alike", "[memory]") {
+TEST_CASE("each element relaxes by its own relative moduli and equal elements relax equally", "[memory]") {
     Eigen::MatrixXd own(40, 3), same(40, 3);
     for (int i = 0; i < 40; ++i) {
         same.row(i) = g.transpose();
@@ -65,7 +65,7 @@ TEST_CASE("elements with shares of their own relax each by its own, and as those
     CHECK(z[17] == Approx(x[17] * 0.7 + 0.3 * y[17]).epsilon(1e-12));
 }
 
-TEST_CASE("one element alone relaxes by its three branches as each of many does", "[memory]") {
+TEST_CASE("one element with three Maxwell branches relaxes as each of five equal elements", "[memory]") {
     BranchMemory alone(tau, g.transpose(), 0.01), many(tau, g.transpose().replicate(5, 1), 0.01);
     for (int n = 0; n < 200; ++n) {
         const double x = std::sin(0.1 * n);
@@ -77,7 +77,7 @@ TEST_CASE("one element alone relaxes by its three branches as each of many does"
     }
 }
 
-TEST_CASE("a branch never gives more than it was given, at any step, by the force at the step's end", "[memory]") {
+TEST_CASE("an element with a Maxwell branch is passive at any ratio of step to relaxation time", "[memory]") {
     for (double ratio : {1e-6, 1e-3, 0.1, 1.0, 3.0, 30.0, 1e3}) {
         const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
         const Eigen::MatrixXd share = Eigen::MatrixXd::Constant(1, 1, 0.9);
@@ -99,7 +99,7 @@ TEST_CASE("a branch never gives more than it was given, at any step, by the forc
     }
 }
 
-TEST_CASE("a booked memory pulls as one that is not, and its book closes: work in, less what is stored, is what was dissipated", "[memory]") {
+TEST_CASE("recording dissipated energy leaves forces unchanged; work equals stored plus dissipated energy", "[memory]") {
     for (int branches : {1, 3, 4}) {
         Eigen::VectorXd times(branches), shares(branches);
         for (int k = 0; k < branches; ++k) {
@@ -132,7 +132,7 @@ TEST_CASE("a booked memory pulls as one that is not, and its book closes: work i
     }
 }
 
-TEST_CASE("what was forgotten is forgotten, and a step allocates nothing", "[memory]") {
+TEST_CASE("forget restores the state of rest and a step allocates nothing", "[memory]") {
     BranchMemory memory(tau, g.transpose().replicate(256, 1), 0.001);
     Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(256, -1, 1), first(256), again(256);
     memory.step(0, 256, x.data(), first.data());
@@ -148,19 +148,20 @@ TEST_CASE("what was forgotten is forgotten, and a step allocates nothing", "[mem
     CHECK(allocations == 0);
 }
 
-TEST_CASE("shares and times that make no sense are refused", "[memory]") {
+TEST_CASE("invalid relative moduli or relaxation times or step lengths are refused", "[memory]") {
     CHECK_THROWS_AS(BranchMemory(tau, Eigen::MatrixXd::Constant(2, 2, 0.1), 0.001), MismatchError);
     CHECK_THROWS_AS(BranchMemory(tau, Eigen::MatrixXd::Constant(2, 3, 0.34), 0.001), MismatchError);
     CHECK_THROWS_AS(BranchMemory(tau, Eigen::MatrixXd::Constant(2, 3, -0.1), 0.001), MismatchError);
     CHECK_THROWS_AS(BranchMemory(-tau, Eigen::MatrixXd::Constant(2, 3, 0.1), 0.001), MismatchError);
     CHECK_THROWS_AS(BranchMemory(tau, Eigen::MatrixXd::Constant(2, 3, 0.1), 0), MismatchError);
     CHECK_THROWS_AS(ToolMemory(Eigen::VectorXd::Constant(9, 1.0), Eigen::VectorXd::Constant(9, 0.1), 0.001), MismatchError);
-    CHECK_NOTHROW(std::make_unique<ToolMemory>(Eigen::VectorXd::Constant(8, 1.0), Eigen::VectorXd::Constant(8, 0.1), 0.001));  // all of its room
+    // the largest number of branches
+    CHECK_NOTHROW(std::make_unique<ToolMemory>(Eigen::VectorXd::Constant(8, 1.0), Eigen::VectorXd::Constant(8, 0.1), 0.001));
 }
 
 namespace {
 
-/// A contact of one node: hardens when pressed, and shears stiffer when pressed.
+/// A contact of one node. Its normal and its tangential stiffness increase with the normal displacement.
 ToolSpring hardening_contact() {
     ToolSpring tool;
     tool.begin(3, Eigen::Vector3d(0, 0, -1));
@@ -172,7 +173,7 @@ ToolSpring hardening_contact() {
 
 }  // namespace
 
-TEST_CASE("a contact that hardens and relaxes gives back less than it was given, at any step", "[memory]") {
+TEST_CASE("a contact that hardens and relaxes is passive at any step length", "[memory]") {
     const ToolSpring tool = hardening_contact();
     const NodeColumns u = NodeColumns::Zero(1, 3);
     for (double dt : {1e-4, 0.01, 0.3, 5.0, 200.0}) {
@@ -180,7 +181,8 @@ TEST_CASE("a contact that hardens and relaxes gives back less than it was given,
         Draw draw(5);
         Eigen::Vector3d x = Eigen::Vector3d::Zero();
         double work = 0, least = 0, most = 0;
-        for (int n = 0; n < 4000; ++n) {  // every loop ends at rest: work so far is what is stored and dissipated, never below nothing
+        // The work so far is the stored and dissipated energy, never negative. Every seventh step ends at rest.
+        for (int n = 0; n < 4000; ++n) {
             const Eigen::Vector3d next = n % 7 == 6 ? Eigen::Vector3d::Zero().eval() : Eigen::Vector3d(draw(-0.01, 0.01), draw(-0.01, 0.01), draw(-0.01, 0.01));
             NodeColumns f = NodeColumns::Zero(1, 3);
             const Eigen::Vector3d hand = tool.put_on(next, u, f, &memory);
@@ -196,12 +198,12 @@ TEST_CASE("a contact that hardens and relaxes gives back less than it was given,
     }
 }
 
-TEST_CASE("a contact relaxes as its branches say, at once is the whole of it, and after long what is left", "[memory]") {
+TEST_CASE("a contact relaxes from its instantaneous force by its Maxwell branches to 1 - sum g of it", "[memory]") {
     const ToolSpring tool = hardening_contact();
     const NodeColumns u = NodeColumns::Zero(1, 3);
     NodeColumns f = NodeColumns::Zero(1, 3);
     const Eigen::Vector3d push(0.001, 0.002, -0.009);
-    const Eigen::Vector3d now = tool.hand_N(push, u);
+    const Eigen::Vector3d now = tool.tool_force_N(push, u);
     ToolMemory quick(tau, g, 1e-9);
     CHECK((Eigen::Vector3d(tool.put_on(push, u, f, &quick)) - now).norm() < 1e-7 * now.norm());
     ToolMemory memory(tau, g, 0.5);
@@ -209,23 +211,23 @@ TEST_CASE("a contact relaxes as its branches say, at once is the whole of it, an
     for (int n = 2; n <= 20; ++n) tool.remember(push, u, memory);
     double expected = 1 - g.sum();
     for (int k = 0; k < 3; ++k) expected += g[k] * ramp_held(1, 0.5, 10.5, tau[k]);
-    CHECK((Eigen::Vector3d(tool.hand_N(push, u, &memory)) - expected * now).norm() < 1e-12 * now.norm());
+    CHECK((Eigen::Vector3d(tool.tool_force_N(push, u, &memory)) - expected * now).norm() < 1e-12 * now.norm());
     CHECK(Eigen::Vector3d(tool.push_at(expected * now, u, &memory) - push).norm() < 1e-10);
     for (int n = 0; n < 1000; ++n) tool.remember(push, u, memory);
-    CHECK((Eigen::Vector3d(tool.hand_N(push, u, &memory)) - (1 - g.sum()) * now).norm() < 1e-12 * now.norm());
-    // within a step the force is the derivative of what energy_J says, and stiffness_N_m that of the force
+    CHECK((Eigen::Vector3d(tool.tool_force_N(push, u, &memory)) - (1 - g.sum()) * now).norm() < 1e-12 * now.norm());
+    // within a step the force is the derivative of energy_J, and stiffness_N_m that of the force
     const double h = 1e-6;
     for (int axis = 0; axis < 3; ++axis) {
         Point up = push, down = push;
         up[axis] += h;
         down[axis] -= h;
-        CHECK((tool.energy_J(up, u, &memory) - tool.energy_J(down, u, &memory)) / (2 * h) == Approx(tool.hand_N(push, u, &memory)[axis]).epsilon(1e-5).margin(1e-7));
-        const Point slope = (tool.hand_N(up, u, &memory) - tool.hand_N(down, u, &memory)) / (2 * h);
+        CHECK((tool.energy_J(up, u, &memory) - tool.energy_J(down, u, &memory)) / (2 * h) == Approx(tool.tool_force_N(push, u, &memory)[axis]).epsilon(1e-5).margin(1e-7));
+        const Point slope = (tool.tool_force_N(up, u, &memory) - tool.tool_force_N(down, u, &memory)) / (2 * h);
         CHECK((slope - tool.stiffness_N_m(push, u, &memory).col(axis)).norm() < 1e-4 * slope.norm());
     }
 }
 
-TEST_CASE("a contact that goes along the surface takes along what its groups remember, and a new group has felt nothing", "[memory]") {
+TEST_CASE("a contact that moves along the surface keeps its groups' branch states; new groups start at rest", "[memory]") {
     const auto contact = [](std::vector<int> imprint) {
         ToolSpring tool;
         tool.begin(3, Eigen::Vector3d(0, 0, -1));
@@ -250,7 +252,7 @@ TEST_CASE("a contact that goes along the surface takes along what its groups rem
         CHECK(gone.known_N(group) == memory.known_N(group));
     }
     gone.follow(disc, wall);
-    gone.follow(wall, on);  // back from a held facet
+    gone.follow(wall, on);  // back from a fixed facet
     CHECK(gone.known_N(0) == memory.known_N(0));
     for (int group = 1; group < 4; ++group) CHECK(gone.known_N(group).norm() == 0);
     on.remember(push, u, gone);

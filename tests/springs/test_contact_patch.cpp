@@ -19,7 +19,7 @@ const SpringMesh& block() {
     return mesh;
 }
 
-/// A disc whose outline's nodes are 2 to 3 cm apart, unevenly.
+/// A disc whose outline has nodes 17 to 34 mm apart.
 SpringMesh uneven() {
     Shape shape = disc(12);
     for (int i = 0; i < 12; ++i) {
@@ -35,7 +35,7 @@ void set_to(Eigen::Vector2d (&u)[ContactPatch::size], const std::function<Eigen:
 
 }  // namespace
 
-TEST_CASE("a patch's weights are positive and sum to 1, and its slopes to 0, all along the surface") {
+TEST_CASE("along the whole surface a patch's weights are not negative and sum to 1; its slopes sum to 0") {
     for (const SpringMesh& mesh : {block(), uneven()}) {
         const ContactSurface surface(mesh);
         for (double part = 0; part <= 1; part += 1.0 / 512) {
@@ -52,7 +52,7 @@ TEST_CASE("a patch's weights are positive and sum to 1, and its slopes to 0, all
     }
 }
 
-TEST_CASE("a patch lies where it was asked for: its weights reproduce the arc length, however the nodes are spaced") {
+TEST_CASE("the weights of a patch reproduce the arc length of its place for any spacing of the nodes") {
     for (const SpringMesh& mesh : {block(), uneven()}) {
         const ContactSurface surface(mesh);
         const std::vector<int>& nodes = surface.outline().nodes();
@@ -67,7 +67,7 @@ TEST_CASE("a patch lies where it was asked for: its weights reproduce the arc le
     }
 }
 
-TEST_CASE("on a flat side a patch reproduces a surface that is displaced linearly, and its slope") {
+TEST_CASE("on a flat side a patch reproduces a linear displacement and its slope") {
     const ContactSurface surface(block());
     const Eigen::Vector2d shift(0.002, -0.001), per_m(0.3, -0.2);
     for (double arc : {0.03, 0.0412, 0.05, 0.1337, 0.147, 0.243}) {
@@ -86,7 +86,7 @@ TEST_CASE("on a flat side a patch reproduces a surface that is displaced linearl
     }
 }
 
-TEST_CASE("round a corner a patch's weights and directions turn smoothly, from one side's to the other's") {
+TEST_CASE("around a corner a patch's weights and slopes and normal change continuously") {
     const ContactSurface surface(block());
     const ContactPatch at_corner = surface.at(0.1);
     CHECK((at_corner.normal - Eigen::Vector2d(-1, -1).normalized()).norm() <= tolerance::rounding);
@@ -109,7 +109,7 @@ TEST_CASE("round a corner a patch's weights and directions turn smoothly, from o
     }
 }
 
-TEST_CASE("a patch near the held edge has its missing node on it, and beyond the surface there is no place") {
+TEST_CASE("a patch at the fixed edge repeats the end node; a place beyond the surface is clamped to its end") {
     const ContactSurface surface(block());
     const ContactPatch first = surface.at(0);
     CHECK(first.node[0] == first.node[1]);
@@ -119,7 +119,7 @@ TEST_CASE("a patch near the held edge has its missing node on it, and beyond the
     CHECK(surface.at(5).edge == Approx(1));
 }
 
-TEST_CASE("a contact's forces are the derivative of its energy, and its tangent of theirs") {
+TEST_CASE("contact forces of a patch are derivatives of its energy and its tangent is that of the forces") {
     const ContactSurface surface(block());
     for (double arc : {0.034, 0.1, 0.1069}) {
         const PatchSpring contact(surface.at(arc), {3.1, 1.7, 0.6, 0.4});
@@ -131,7 +131,7 @@ TEST_CASE("a contact's forces are the derivative of its energy, and its tangent 
         for (int axis : {0, 1}) {
             const Eigen::Vector2d e = h * Eigen::Vector2d::Unit(axis);
             CHECK((contact.load(d + e, u).energy_J - contact.load(d - e, u).energy_J) / (2 * h) ==
-                  Approx(load.hand_N[axis]).epsilon(tolerance::difference));
+                  Approx(load.tool_force_N[axis]).epsilon(tolerance::difference));
             for (int i = 0; i < ContactPatch::size; ++i) {
                 Eigen::Vector2d ahead[ContactPatch::size], behind[ContactPatch::size];
                 set_to(ahead, [&](int k) { return k == i ? Eigen::Vector2d(u[k] + e) : u[k]; });
@@ -145,24 +145,24 @@ TEST_CASE("a contact's forces are the derivative of its energy, and its tangent 
     }
 }
 
-TEST_CASE("a tool that moves with the tissue under it feels nothing, and forces of tool and nodes balance") {
+TEST_CASE("a tool that moves with the tissue has no force; forces on tool and nodes sum to zero") {
     const ContactSurface surface(block());
     const PatchSpring contact(surface.at(0.0931), {3.1, 1.7, 0.6, 0.4});
     const Eigen::Vector2d d(0.004, -0.003);
     Eigen::Vector2d u[ContactPatch::size];
     set_to(u, [&](int) { return d; });
-    CHECK(contact.load(d, u).hand_N.norm() <= tolerance::rounding);
+    CHECK(contact.load(d, u).tool_force_N.norm() <= tolerance::rounding);
     CHECK(contact.load(d, u).energy_J <= tolerance::rounding * d.squaredNorm());
     set_to(u, [](int i) { return Eigen::Vector2d(0.001 * i, -0.002 * i * i); });
     const PatchSpring::Load load = contact.load(d, u);
-    Eigen::Vector2d sum = load.hand_N;
+    Eigen::Vector2d sum = load.tool_force_N;
     for (const Eigen::Vector2d& f : load.node_N) sum += f;
-    CHECK(sum.norm() <= tolerance::rounding * load.hand_N.norm());
+    CHECK(sum.norm() <= tolerance::rounding * load.tool_force_N.norm());
 }
 
 TEST_CASE("finding a patch and its load allocates nothing") {
     const ContactSurface surface(uneven());
-    PatchLaw law;
+    ContactParameters law;
     Eigen::Vector2d u[ContactPatch::size];
     set_to(u, [](int i) { return Eigen::Vector2d(0.001 * i, 0); });
     double energy = 0;

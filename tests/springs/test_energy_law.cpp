@@ -1,4 +1,4 @@
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -20,13 +20,13 @@ const SpringMesh& block() {
     return mesh;
 }
 
-LawHeuristic heuristic() { return law_heuristic(block(), 450, "plane-strain", 12); }
+EnergyModelHeuristic heuristic() { return energy_model_heuristic(block(), 450, "plane-strain", 12); }
 
-EnergyLaw law_of(const std::vector<std::string>& terms) { return {block(), heuristic(), terms}; }
+EnergyModelTerms law_of(const std::vector<std::string>& terms) { return {block(), heuristic(), terms}; }
 
-/// log of what one unit of a term makes of the constants, over the heuristic's.
+/// Logarithm of the constants with a term's coefficient 1, over those with coefficient 0.
 Eigen::VectorXd effect(const SpringMesh& mesh, const std::string& term) {
-    const EnergyLaw law(mesh, law_heuristic(mesh, 450, "plane-stress", 1e9), {term});
+    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, 450, "plane-stress", 1e9), {term});
     return (law.constants(Eigen::VectorXd::Ones(1)).array() / law.constants(Eigen::VectorXd::Zero(1)).array()).log();
 }
 
@@ -39,16 +39,16 @@ int spring_between(const SpringMesh& mesh, const Eigen::Vector2d& a, const Eigen
 
 }  // namespace
 
-TEST_CASE("without coefficients a law's constants are the heuristic's: two thirds of Van Gelder's, and the cells' share") {
+TEST_CASE("with zero coefficients springs are 2/3 of Van Gelder's and the first cell has its start value") {
     for (const char* formulation : {"plane-strain", "plane-stress"}) {
-        const EnergyLaw law(block(), law_heuristic(block(), 450, formulation, 12), {"spring.all"});
+        const EnergyModelTerms law(block(), energy_model_heuristic(block(), 450, formulation, 12), {"spring.all"});
         const Eigen::VectorXd c = law.constants(Eigen::VectorXd::Zero(1));
         CHECK((c.head(block().spring_count()) - 2.0 / 3 * heuristic_stiffness(block(), 450)).norm() <= tolerance::rounding * c.norm());
         CHECK(c[block().spring_count()] == Approx(std::string(formulation) == "plane-strain" ? 0.95 * 12 * 450 : 150).epsilon(tolerance::rounding));
     }
 }
 
-TEST_CASE("a heuristic's springs have the shear modulus of incompressible tissue, on squares and on triangles") {
+TEST_CASE("heuristic springs have shear modulus E2/3 on squares and on equilateral triangles") {
     // equilateral triangles: rows shifted by half a side
     Shape shape;
     const int n = 12;
@@ -66,7 +66,7 @@ TEST_CASE("a heuristic's springs have the shear modulus of incompressible tissue
     shape.region.assign(static_cast<std::size_t>(2 * n * n), 0);
     for (int i = 0; i < n; ++i) shape.fixed_edges.push_back({i, i + 1});
     for (const SpringMesh& mesh : {block(), edge_mesh(shape)}) {
-        Eigen::VectorXd springs = law_heuristic(mesh, 450, "plane-stress", 12).constants.head(mesh.spring_count());
+        Eigen::VectorXd springs = energy_model_heuristic(mesh, 450, "plane-stress", 12).constants.head(mesh.spring_count());
         const TissueEnergy energy(mesh, false);
         Eigen::VectorXd c = Eigen::VectorXd::Zero(energy.constant_count());
         c.head(springs.size()) = springs;
@@ -79,8 +79,8 @@ TEST_CASE("a heuristic's springs have the shear modulus of incompressible tissue
     }
 }
 
-TEST_CASE("constants are positive and cells stay below their cap whatever the coefficients") {
-    const EnergyLaw law = law_of({"spring.all", "spring.layer", "cell.all", "cell.y2"});
+TEST_CASE("constants are positive and cells do not exceed their cap for any coefficients") {
+    const EnergyModelTerms law = law_of({"spring.all", "spring.layer", "cell.all", "cell.y2"});
     for (double size : {-20.0, -3.0, 3.0, 20.0}) {
         const Eigen::VectorXd c = law.constants(Eigen::Vector4d(size, -size / 2, size, size / 3));
         CHECK(c.minCoeff() > 0);
@@ -88,8 +88,8 @@ TEST_CASE("constants are positive and cells stay below their cap whatever the co
     }
 }
 
-TEST_CASE("derivatives of constants and contact stiffness by the coefficients agree with differences") {
-    const EnergyLaw law = law_of({"spring.diagonal.y", "cell.layer", "cell.all", "contact.normal", "contact.normal.phase",
+TEST_CASE("derivatives of constants and contact stiffness by the coefficients agree with finite differences") {
+    const EnergyModelTerms law = law_of({"spring.diagonal.y", "cell.layer", "cell.all", "contact.normal", "contact.normal.phase",
                                   "contact.tangent.corner", "contact.rotation.edge", "contact.stretch"});
     Eigen::VectorXd p(8);
     for (int i = 0; i < 8; ++i) p[i] = 0.3 * std::sin(2.0 * i);
@@ -105,11 +105,11 @@ TEST_CASE("derivatives of constants and contact stiffness by the coefficients ag
         const Eigen::VectorXd constants = (law.constants(p + e) - law.constants(p - e)) / (2 * h);
         const Eigen::Vector4d contact = (stiffness(p + e) - stiffness(p - e)) / (2 * h);
         CHECK((constants - law.constants_by(p).col(t)).norm() <= tolerance::difference * law.constants(p).norm());
-        CHECK((contact - law.stiffness_by(p, PatchLaw::factors_at(patch)).col(t)).norm() <= tolerance::difference * stiffness(p).norm());
+        CHECK((contact - law.stiffness_by(p, ContactParameters::factors_at(patch)).col(t)).norm() <= tolerance::difference * stiffness(p).norm());
     }
 }
 
-TEST_CASE("terms say where they act: surface, layer, held part, family") {
+TEST_CASE("spring terms act on their surface or layer or fixed part or family of springs") {
     const SpringMesh& mesh = block();
     const int top = spring_between(mesh, {0.05, 0.1}, {0.06, 0.1}), side = spring_between(mesh, {0, 0.05}, {0, 0.06}),
               below = spring_between(mesh, {0.05, 0.1}, {0.05, 0.09}), inner = spring_between(mesh, {0.05, 0.05}, {0.06, 0.05}),
@@ -120,7 +120,7 @@ TEST_CASE("terms say where they act: surface, layer, held part, family") {
     CHECK(surface[top] == Approx(1));
     CHECK(surface[side] == Approx(1));
     CHECK(surface[below] == Approx(0).margin(1e-9));
-    CHECK(surface[bottom] == Approx(0).margin(1e-9));  // held is not free
+    CHECK(surface[bottom] == Approx(0).margin(1e-9));  // fixed springs are not on the free surface
     CHECK(held[foot] == Approx(1));
     CHECK(held[slanted] == Approx(1));
     CHECK(held[bottom] == Approx(0).margin(1e-9));
@@ -139,7 +139,7 @@ TEST_CASE("terms say where they act: surface, layer, held part, family") {
     CHECK(product[below] == Approx(0).margin(1e-9));
 }
 
-TEST_CASE("every term of a block that mirrors itself mirrors itself") {
+TEST_CASE("spring terms are mirror-symmetric on a mirror-symmetric block") {
     const SpringMesh& mesh = block();
     for (const char* term : {"spring.layer", "spring.along", "spring.across.layer", "spring.held", "spring.x2.y", "spring.x4", "spring.y3", "spring.upright"}) {
         INFO(term);
@@ -153,20 +153,20 @@ TEST_CASE("every term of a block that mirrors itself mirrors itself") {
     }
 }
 
-TEST_CASE("terms without a block's x and y make sense on any shape") {
+TEST_CASE("terms without x and y are accepted on a shape that is no block") {
     const SpringMesh mesh = edge_mesh(disc(16));
-    const EnergyLaw law(mesh, law_heuristic(mesh, 450, "plane-strain", 12),
+    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12),
                         {"spring.all", "spring.surface", "spring.along.layer", "spring.across.layer", "spring.held", "cell.layer", "contact.normal"});
     CHECK(law.size() == 7);
-    CHECK(effect(mesh, "spring.surface").sum() == Approx(12));  // a quarter of sixteen sides is held
+    CHECK(effect(mesh, "spring.surface").sum() == Approx(12));  // a quarter of sixteen sides is fixed
 }
 
-TEST_CASE("a modulus by triangle stiffens its own springs and cells") {
+TEST_CASE("a modulus per triangle scales the adjacent cells and its maximum sets the contact stiffness") {
     const SpringMesh mesh = edge_mesh(disc(12));
     Eigen::VectorXd modulus = Eigen::VectorXd::Constant(12, 100.0);
     modulus[3] = 400;
-    const LawHeuristic h = law_heuristic(mesh, modulus, "plane-stress", 12), even = law_heuristic(mesh, 100.0, "plane-stress", 12);
-    // cells are about nodes: 3 and 4 have one stiff triangle of two, 8 none, the middle one of twelve
+    const EnergyModelHeuristic h = energy_model_heuristic(mesh, modulus, "plane-stress", 12), even = energy_model_heuristic(mesh, 100.0, "plane-stress", 12);
+    // cells are nodal areas: nodes 3 and 4 have one stiff triangle of two, node 8 none, the centre one of twelve
     const auto ratio = [&](int node) { return h.constants[24 + node] / even.constants[24 + node]; };
     CHECK(ratio(3) == Approx(2.5));
     CHECK(ratio(8) == Approx(1));
@@ -174,27 +174,27 @@ TEST_CASE("a modulus by triangle stiffens its own springs and cells") {
     CHECK(std::exp(h.patch.log_N_m(0, 0)) == Approx(1600));
 }
 
-TEST_CASE("terms that are not known, do not fit or stand twice are refused by name") {
+TEST_CASE("terms that are unknown or repeated or do not fit the mesh are refused by name") {
     CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.all", "spring.all"}); }), Contains("spring.all") && Contains("twice"));
     CHECK_THAT(refusal<MismatchError>([] { law_of({"bolt.all"}); }), Contains("bolt.all") && Contains("spring., cell. or contact."));
     CHECK_THAT(refusal<MismatchError>([] { law_of({"spring"}); }), Contains("spring"));
     CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.shiny"}); }), Contains("spring.shiny") && Contains("layer"));
     CHECK_THAT(refusal<MismatchError>([] { law_of({"cell.along"}); }), Contains("cell.along"));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.x"}); }), Contains("spring.x"));  // would not mirror itself
+    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.x"}); }), Contains("spring.x"));  // not mirror-symmetric
     CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.diagonal.surface"}); }), Contains("zero everywhere"));
     CHECK_THAT(refusal<MismatchError>([] { law_of({"contact"}); }), Contains("normal, tangent, rotation, stretch"));
     CHECK_THAT(refusal<MismatchError>([] { law_of({"contact.normal.shiny"}); }), Contains("shiny") && Contains("phase"));
     CHECK_THAT(refusal<MismatchError>([] { law_of({"contact.normal."}); }), Contains("phase"));
     CHECK_THAT(refusal<MismatchError>([] { law_of({"contact.shiny"}); }), Contains("shiny"));
     const SpringMesh shape = edge_mesh(disc(12));
-    CHECK_THAT(refusal<MismatchError>([&] { EnergyLaw(shape, law_heuristic(shape, 1, "plane-stress", 12), {"spring.diagonal"}); }), Contains("diagonal"));
-    CHECK_THAT(refusal<MismatchError>([&] { EnergyLaw(shape, heuristic(), {"spring.all"}); }), Contains("mesh"));
-    LawHeuristic fewer = heuristic(), uncapped = heuristic();
+    CHECK_THAT(refusal<MismatchError>([&] { EnergyModelTerms(shape, energy_model_heuristic(shape, 1, "plane-stress", 12), {"spring.diagonal"}); }), Contains("diagonal"));
+    CHECK_THAT(refusal<MismatchError>([&] { EnergyModelTerms(shape, heuristic(), {"spring.all"}); }), Contains("mesh"));
+    EnergyModelHeuristic fewer = heuristic(), uncapped = heuristic();
     fewer.constants.conservativeResize(fewer.constants.size() - 1);
     uncapped.cap.conservativeResize(uncapped.cap.size() - 1);
-    for (const LawHeuristic& h : {fewer, uncapped})
-        CHECK_THAT(refusal<MismatchError>([&] { EnergyLaw(block(), h, {"spring.all"}); }), Contains("constants are not those of the mesh"));
-    CHECK_THAT(refusal<MismatchError>([] { law_heuristic(block(), 450, "plane", 12); }), Contains("plane-stress, plane-strain"));
-    CHECK_THAT(refusal<MismatchError>([] { law_heuristic(block(), 450, "plane-strain", 0.2); }), Contains("E2 / 3"));
-    CHECK_THAT(refusal<MismatchError>([] { law_heuristic(block(), Eigen::VectorXd::Ones(200), "plane-strain", 12); }), Contains("triangle"));
+    for (const EnergyModelHeuristic& h : {fewer, uncapped})
+        CHECK_THAT(refusal<MismatchError>([&] { EnergyModelTerms(block(), h, {"spring.all"}); }), Contains("constants of the heuristic do not match the mesh"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_heuristic(block(), 450, "plane", 12); }), Contains("plane-stress, plane-strain"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_heuristic(block(), 450, "plane-strain", 0.2); }), Contains("E2 / 3"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_heuristic(block(), Eigen::VectorXd::Ones(200), "plane-strain", 12); }), Contains("triangle"));
 }

@@ -40,8 +40,9 @@ double slack(const std::string& law) {
 
 }  // namespace
 
-TEST_CASE("two springs in a row between a wall and a contact share the push as their stiffness says") {
-    // a column of one cell, sides alone loaded: nodes 0, 1 fixed below 2, 3; the contact pulls both up through the top
+TEST_CASE("springs in series between support and contact stretch in inverse proportion to their stiffness") {
+    // A column of two cells. Only its vertical springs are loaded: nodes 0 and 1 are fixed, and the contact displaces
+    // both top nodes upwards.
     const SpringMesh cell = make_lattice("grid4", 1, 2, 0.1, 0.2);
     Eigen::VectorXd theta = Eigen::VectorXd::Ones(cell.spring_count());
     for (int s = 0; s < cell.spring_count(); ++s)
@@ -55,7 +56,7 @@ TEST_CASE("two springs in a row between a wall and a contact share the push as t
     CHECK(state.displacement(node_at(cell, Eigen::Vector2d(0, 0.1)), 1) == Approx(0.001).epsilon(tolerance::solve));
 }
 
-TEST_CASE("the contact goes where it is pushed, and fixed nodes stay") {
+TEST_CASE("the contact has the prescribed displacement and fixed nodes have none") {
     for (const std::string& law : spring_laws().names()) {
         for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0.05), Eigen::Vector2d(0.1, 0.061)}) {
             const Equilibrium state = rest(law, at);
@@ -68,7 +69,7 @@ TEST_CASE("the contact goes where it is pushed, and fixed nodes stay") {
     }
 }
 
-TEST_CASE("closed loop: the contact's force is minus the supports', and no other node is held") {
+TEST_CASE("contact force and support forces sum to zero; other nodes have no net force") {
     for (const std::string& law : spring_laws().names()) {
         INFO(law);
         const Eigen::Vector2d at(0.1, 0.061);
@@ -87,7 +88,7 @@ TEST_CASE("closed loop: the contact's force is minus the supports', and no other
     }
 }
 
-TEST_CASE("a contact between nodes is held by both ends, each with its weight of the force") {
+TEST_CASE("a contact between two nodes distributes its force by their weights") {
     for (const std::string& law : spring_laws().names()) {
         const Eigen::Vector2d at(0.0, 0.1 * 4.25 / 6);
         const Equilibrium state = rest(law, at);
@@ -100,7 +101,7 @@ TEST_CASE("a contact between nodes is held by both ends, each with its weight of
     }
 }
 
-TEST_CASE("linear laws: the push's work is twice the springs' energy, force . push = u'Ku") {
+TEST_CASE("linear spring laws: contact force times tool displacement is u'Ku; twice the springs' energy") {
     for (const char* law : {"isotropic", "axial"}) {
         const Equilibrium state = rest(law, {0.05, 0.1});
         const SparseMatrix K = make_spring_law(law)->stiffness(block(), example_theta(block()), state.displacement);
@@ -109,7 +110,7 @@ TEST_CASE("linear laws: the push's work is twice the springs' energy, force . pu
     }
 }
 
-TEST_CASE("geometric springs: the energy's slope along the push is the contact's force") {
+TEST_CASE("geometric springs: the derivative of the energy along the tool displacement is the contact force") {
     const auto energy = [](const NodeField& u) {
         double sum = 0;
         const Eigen::VectorXd theta = example_theta(block());
@@ -128,10 +129,11 @@ TEST_CASE("geometric springs: the energy's slope along the push is the contact's
         return std::abs(slope - work) / work;
     };
     CHECK(error(0.01) < 1e-4);
-    CHECK(std::log2(error(0.4) / error(0.2)) == Approx(2).margin(4 * tolerance::order));  // coarse: 1e-8 must stay below
+    // coarse steps, beside which solver errors of 1e-8 are small
+    CHECK(std::log2(error(0.4) / error(0.2)) == Approx(2).margin(4 * tolerance::order));
 }
 
-TEST_CASE("linear laws: twice the push is twice the force; stiffer springs change the force alone") {
+TEST_CASE("forces of linear laws are proportional to tool displacement; a stiffness factor scales forces alone") {
     const Equilibrium once = rest("axial", {0, 0.05}), twice = rest("axial", {0, 0.05}, 2 * push);
     CHECK(twice.contact_force.isApprox(2 * once.contact_force, tolerance::solve));
     CHECK(twice.displacement.isApprox(2 * once.displacement, tolerance::solve));
@@ -146,7 +148,7 @@ TEST_CASE("linear laws: twice the push is twice the force; stiffer springs chang
     }
 }
 
-TEST_CASE("uniform scaling: a tissue twice as large, pushed twice as far, is twice as strong") {
+TEST_CASE("uniform scaling: twice the size and twice the tool displacement give twice the contact force") {
     const SpringMesh large = make_lattice("grid8", 6, 6, 0.2, 0.2);
     for (const std::string& law : spring_laws().names()) {
         const Equilibrium small = rest(law, {0, 0.05}), big = rest(law, {0, 0.1}, 2 * push, large);
@@ -154,7 +156,7 @@ TEST_CASE("uniform scaling: a tissue twice as large, pushed twice as far, is twi
     }
 }
 
-TEST_CASE("mirrored pushes on a mirror-symmetric mesh are held by mirrored forces") {
+TEST_CASE("mirrored tool displacements on a mirror-symmetric mesh have mirrored contact forces") {
     const Eigen::VectorXd theta = heuristic_stiffness(block(), 1.0);
     for (const std::string& name : spring_laws().names()) {
         const auto force = [&](double x, double dx) {
@@ -169,20 +171,20 @@ TEST_CASE("mirrored pushes on a mirror-symmetric mesh are held by mirrored force
     }
 }
 
-TEST_CASE("geometric springs approach axial ones as the push gets small") {
+TEST_CASE("geometric springs approach axial ones in proportion to the tool displacement") {
     const auto difference = [](double scale) {
         const Eigen::VectorXd d = scale * push;
         return (rest("geometric", {0, 0.05}, d).contact_force - rest("axial", {0, 0.05}, d).contact_force).norm() /
                scale;
     };
-    // relative difference falls with the first power of the push
+    // the relative difference is proportional to the tool displacement
     CHECK(std::log2(difference(0.02) / difference(0.01)) == Approx(1).margin(tolerance::order));
 }
 
-TEST_CASE("a mesh with zero-energy modes has no answer and says why") {
+TEST_CASE("a mesh with zero-energy modes has no equilibrium and the reason names the modes") {
     const SpringMesh grid4 = make_lattice("grid4", 10, 10, 0.1, 0.1);
     const SurfacePoint contact = locate_on_surface(grid4, {0, 0.05});
-    for (const char* law : {"axial", "geometric"}) {  // every free row slides for nothing, and one contact holds one
+    for (const char* law : {"axial", "geometric"}) {  // each free row slides without energy; the contact fixes one row
         const auto state = solve_equilibrium(grid4, *make_spring_law(law), heuristic_stiffness(grid4, 1.0), contact, push);
         CHECK(state.status == EquilibriumStatus::zero_energy_modes);
         CHECK_THAT(reason_of(state.status), Contains("zero-energy modes"));
@@ -190,7 +192,7 @@ TEST_CASE("a mesh with zero-energy modes has no answer and says why") {
     CHECK(solve_equilibrium(grid4, *make_spring_law("isotropic"), heuristic_stiffness(grid4, 1.0), contact, push));
 }
 
-TEST_CASE("a node that no spring holds, or a negative spring that wins, leaves no answer") {
+TEST_CASE("a node without stiffness or springs of negative stiffness leave no equilibrium") {
     const auto law = make_spring_law("isotropic");
     const SurfacePoint contact = locate_on_surface(block(), {0, 0.05});
     Eigen::VectorXd theta = example_theta(block());
@@ -202,15 +204,16 @@ TEST_CASE("a node that no spring holds, or a negative spring that wins, leaves n
     CHECK(solve_equilibrium(block(), *law, theta, contact, push).status == EquilibriumStatus::unstable_at_rest);
 }
 
-TEST_CASE("a contact on the fixed edge has no answer and says why") {
+TEST_CASE("a contact on the fixed edge has no equilibrium and the reason names the edge") {
     const auto state = solve_equilibrium(block(), *make_spring_law("axial"), example_theta(block()),
                                          locate_on_surface(block(), {0.05, 0}), push);
     CHECK(state.status == EquilibriumStatus::contact_fixed);
     CHECK_THAT(reason_of(state.status), Contains("fixed edge"));
 }
 
-TEST_CASE("a mesh that its contact alone keeps from sliding or collapsing has an answer: the least energy with it held") {
-    // a corner on one spring slides across it, on a negative one it runs away; the contact weighs 3/4 on it
+TEST_CASE("a mesh that only the contact stabilises has the constrained energy minimum as equilibrium") {
+    // A corner node on one axial spring has a zero-energy mode; on a spring of negative stiffness it is unstable. Its
+    // weight in the contact is 3/4.
     const int corner = node_at(block(), Eigen::Vector2d(0.1, 0.1)), left = node_at(block(), Eigen::Vector2d(0.1 * 5 / 6, 0.1));
     const SurfacePoint contact{{left, corner}, {0.25, 0.75}};
     for (const auto& [law, stiffness] : {std::pair("axial", 0.5), std::pair("axial", -0.05), std::pair("isotropic", -0.05)}) {
@@ -223,7 +226,7 @@ TEST_CASE("a mesh that its contact alone keeps from sliding or collapsing has an
         const Equilibrium state = solve_equilibrium(block(), *spring_law, theta, contact, push);
         REQUIRE(state.status == EquilibriumStatus::balanced);
 
-        // the same as a dense saddle point: K u - W r = 0, W'u = push, u = 0 at fixed nodes
+        // reference: the dense saddle-point system K u - W r = 0, W'u = push, u = 0 at fixed nodes
         const Eigen::Index n = 2 * block().node_count(), fixed = 2 * static_cast<Eigen::Index>(block().fixed.size());
         Eigen::MatrixXd saddle = Eigen::MatrixXd::Zero(n + 2 + fixed, n + 2 + fixed);
         saddle.topLeftCorner(n, n) = spring_law->stiffness(block(), theta, NodeField::Zero(n / 2, 2));
@@ -242,7 +245,7 @@ TEST_CASE("a mesh that its contact alone keeps from sliding or collapsing has an
         CHECK(as_vector(state.displacement).isApprox(dense.head(n), tolerance::solve));
         CHECK((state.contact_force - dense.segment(n, 2)).norm() <= tolerance::solve * 0.05 * push.norm());
 
-        // and the contact answers a force residual as that saddle point does
+        // contact_sensitivity: the same system with a force residual
         const auto G = contact_sensitivity(block(), *spring_law, theta, contact, state.displacement);
         REQUIRE(G);
         right.setZero();
@@ -252,8 +255,8 @@ TEST_CASE("a mesh that its contact alone keeps from sliding or collapsing has an
     }
 }
 
-TEST_CASE("a shallow arch pushed through flat by a strut: unstable by itself, held it has the one answer") {
-    // two springs lean on each other, 10 mm high over 40 mm; a vertical one stands on them, and the contact at its top
+TEST_CASE("a shallow arch snapped through by a strut of prescribed displacement has its one equilibrium") {
+    // two inclined springs, 10 mm high over 40 mm each; a vertical spring on their joint, with the contact at its top
     SpringMesh arch;
     arch.nodes.resize(4, 2);
     arch.nodes << -0.04, 0, 0.04, 0, 0, 0.01, 0, 0.05;
@@ -263,14 +266,15 @@ TEST_CASE("a shallow arch pushed through flat by a strut: unstable by itself, he
     const Eigen::Vector3d theta(10, 10, 2);
     const SurfacePoint top{{3, 2}, {1, 0}};
     const double span = 0.04, length = std::hypot(span, 0.01);
-    const auto arch_force = [&](double height) {  // upwards, that holds the crown there
+    const auto arch_force = [&](double height) {  // upward force that keeps the crown at this height
         const double now = std::hypot(span, height);
         return 2 * theta[0] * (now - length) * height / now;
     };
     const auto law = make_spring_law("geometric");
     for (double depth : {0.002, 0.006, 0.010, 0.014, 0.022}) {
         INFO(depth);
-        double low = -0.05, high = 0.05;  // of the crown: what the strut pushes grows as it rises, faster than the arch's
+        // bounds of the crown's height; the strut's stiffness exceeds the arch's negative one, so there is one root
+        double low = -0.05, high = 0.05;
         for (int k = 0; k < 100; ++k) {
             const double crown = (low + high) / 2, strut = theta[2] * ((0.05 - depth - crown) - 0.04);
             (arch_force(crown) - strut > 0 ? high : low) = crown;
@@ -283,7 +287,7 @@ TEST_CASE("a shallow arch pushed through flat by a strut: unstable by itself, he
     }
 }
 
-TEST_CASE("springs that turn, pushed deep beside a corner: no displacement that leaves the contact there has less energy") {
+TEST_CASE("geometric springs indented deep beside a corner rest at an energy minimum with the contact fixed") {
     const auto energy = [](const NodeField& u) {
         double sum = 0;
         const Eigen::VectorXd theta = example_theta(block());
@@ -300,7 +304,7 @@ TEST_CASE("springs that turn, pushed deep beside a corner: no displacement that 
         const Equilibrium state = rest("geometric", at, d);
         const double least = energy(state.displacement);
         for (int k = 0; k < 200; ++k) {
-            NodeField v = scattered(block(), 1e-5);  // the same pattern, carried to other nodes
+            NodeField v = scattered(block(), 1e-5);  // the same pattern, moved to other nodes
             for (int i = 0; i < v.rows(); ++i) v.row(i) = (i * (k + 3)) % 7 < 3 ? Eigen::RowVector2d(v.row((i + k) % v.rows())) : Eigen::RowVector2d(0, 0);
             for (int node : block().fixed) v.row(node).setZero();
             v.row(p.node[0]) = -p.weight[1] / p.weight[0] * v.row(p.node[1]);
@@ -309,7 +313,7 @@ TEST_CASE("springs that turn, pushed deep beside a corner: no displacement that 
     }
 }
 
-TEST_CASE("geometric springs pushed through themselves have no answer or a balanced one, never a wrong number") {
+TEST_CASE("geometric springs under extreme displacement have a balanced equilibrium or a status with a reason") {
     const auto state = solve_equilibrium(block(), *make_spring_law("geometric"), example_theta(block()),
                                          locate_on_surface(block(), {0, 0.05}), Eigen::Vector2d(0.3, 0));
     if (state) {

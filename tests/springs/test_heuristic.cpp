@@ -40,7 +40,7 @@ TEST_CASE("the heuristic (7) is E2 on inner axis springs, E2/2 on the boundary a
     }
 }
 
-TEST_CASE("on a lattice of oblong cells (7) gives dy/dx, dx/dy and dx dy/(dx^2 + dy^2) of E2") {
+TEST_CASE("on rectangular cells (7) gives inner springs E2 times dy/dx, dx/dy or dx dy/(dx^2 + dy^2)") {
     const double dx = 0.03, dy = 0.01;
     const SpringMesh mesh = make_lattice("grid8", 4, 6, 4 * dx, 6 * dy);
     const Eigen::VectorXd theta = heuristic_stiffness(mesh, E2);
@@ -51,14 +51,14 @@ TEST_CASE("on a lattice of oblong cells (7) gives dy/dx, dx/dy and dx dy/(dx^2 +
     }
 }
 
-TEST_CASE("the heuristic is proportional to the modulus and does not know the lattice's size") {
+TEST_CASE("the heuristic is proportional to the modulus and independent of the lattice's size") {
     const SpringMesh mesh = make_lattice("grid8", 4, 4, 0.1, 0.1), larger = make_lattice("grid8", 4, 4, 3.0, 3.0);
     const Eigen::VectorXd theta = heuristic_stiffness(mesh, E2);
     CHECK(heuristic_stiffness(mesh, 3 * E2).isApprox(3 * theta, tolerance::rounding));
     CHECK(heuristic_stiffness(larger, E2).isApprox(theta, tolerance::rounding));
 }
 
-TEST_CASE("a uniform mesh has one stiffness, its diagonals half of it") {
+TEST_CASE("uniform_stiffness gives all springs one stiffness and diagonals half of it") {
     for (const double height : {0.1, 0.3}) {
         const SpringMesh mesh = make_lattice("grid8", 4, 4, 0.1, height);
         const Eigen::VectorXd theta = uniform_stiffness(mesh, 2.0);
@@ -66,7 +66,7 @@ TEST_CASE("a uniform mesh has one stiffness, its diagonals half of it") {
     }
 }
 
-TEST_CASE("node masses (8) sum to rho t L^2, a corner carrying a quarter of an inner node's") {
+TEST_CASE("node masses (8) sum to rho t L^2 and a corner has a quarter of an inner node's mass") {
     const double L = 0.1, t = 1.0 / 6000, rho = 1040;
     const SpringMesh mesh = make_lattice("grid4", 10, 10, L, L);
     const Eigen::VectorXd mass = node_masses(mesh, rho, t);

@@ -7,7 +7,7 @@
 #include "../mesh/dome.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/topology.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/heuristic.h"
 #include "springs/tissue_energy.h"
 
@@ -17,12 +17,13 @@ namespace {
 
 constexpr double E = 4524;
 
-/// Springs of a law before training, cells left out: W of an affine displacement over V mu (tr^2 / 2 + strain : strain), largest and smallest over strains of every kind.
+/// Smallest and largest W / (V mu (tr^2 / 2 + strain : strain)) over affine displacements of all kinds. W: energy of
+/// the springs of an untrained energy model, without cells.
 std::array<double, 2> stiffness_range(const SpringMesh& mesh) {
     const bool solid = mesh.is_solid();
     const Eigen::Index cells = mesh_cells(mesh).rows();
-    const LawHeuristic heuristic = solid ? solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(cells, E), E, 12, 0.007) : law_heuristic(mesh, E, "plane-stress", 12);
-    const EnergyLaw law(mesh, heuristic, {"spring.all"});
+    const EnergyModelHeuristic heuristic = solid ? solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(cells, E), E, 12, 0.007) : energy_model_heuristic(mesh, E, "plane-stress", 12);
+    const EnergyModelTerms law(mesh, heuristic, {"spring.all"});
     Eigen::VectorXd constants = law.constants(Eigen::VectorXd::Zero(1));
     constants.tail(constants.size() - mesh.spring_count()).setZero();
     const TissueEnergy energy = law.energy(mesh);
@@ -35,8 +36,10 @@ std::array<double, 2> stiffness_range(const SpringMesh& mesh) {
         PointMatrix strain = PointMatrix::Zero(mesh.dimension(), mesh.dimension());
         for (Eigen::Index i = 0; i < strain.rows(); ++i)
             for (Eigen::Index j = 0; j <= i; ++j) strain(i, j) = strain(j, i) = draw(random);
-        if (k == 0) strain.setZero(), strain(0, strain.cols() - 1) = strain(strain.rows() - 1, 0) = 1;                       // a shear along axes,
-        if (k == 1) strain.setZero(), strain(0, 0) = 1, strain(strain.rows() - 1, strain.cols() - 1) = -1;                   // and one at 45 degrees to them
+        // shear along the axes
+        if (k == 0) strain.setZero(), strain(0, strain.cols() - 1) = strain(strain.rows() - 1, 0) = 1;
+        // shear at 45 degrees
+        if (k == 1) strain.setZero(), strain(0, 0) = 1, strain(strain.rows() - 1, strain.cols() - 1) = -1;
         const NodeField u = mesh.nodes * strain;
         Eigen::VectorXd flat(u.size());
         for (Eigen::Index n = 0; n < u.rows(); ++n) flat.segment(n * u.cols(), u.cols()) = u.row(n).transpose();
@@ -48,7 +51,7 @@ std::array<double, 2> stiffness_range(const SpringMesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("springs of a law on a lattice are isotropic at their start, with the shear modulus of incompressible tissue", "[isotropic]") {
+TEST_CASE("untrained springs on a lattice are isotropic with shear modulus E/3 to 1e-12", "[isotropic]") {
     for (const std::vector<double>& cell_mm : {std::vector<double>{10, 10, 10}, {10, 10}, {6, 10}, {10, 6}})
         for (const int n : {2, 4}) {
             std::vector<int> cells(cell_mm.size(), n);
@@ -62,7 +65,7 @@ TEST_CASE("springs of a law on a lattice are isotropic at their start, with the 
         }
 }
 
-TEST_CASE("a cube's springs sum up to what all directions do, to the sixth order", "[isotropic]") {
+TEST_CASE("direction moments of a cube's springs are isotropic up to the sixth order", "[isotropic]") {
     const SpringMesh mesh = embedded_block(Lattice{{2, 2, 2}, {0.02, 0.02, 0.02}});
     const Eigen::VectorXd measure = isotropic_measure(mesh);
     double sum = 0, x2 = 0, x4 = 0, x6 = 0, x2y2 = 0, x4y2 = 0, x2y2z2 = 0;
@@ -80,13 +83,13 @@ TEST_CASE("a cube's springs sum up to what all directions do, to the sixth order
     for (std::size_t k = 0; k < is.size(); ++k) CHECK(is[k] == Approx(all[k]).epsilon(1e-12));
 }
 
-TEST_CASE("squares have the shares that are said, cells too oblong none, and the paper's own heuristic stays what it is", "[isotropic]") {
+TEST_CASE("isotropic shares of squares are 1/2 and 1; too oblong cells have none; measure (7) is unchanged", "[isotropic]") {
     const RectangleShares square = *isotropic_shares({0.01, 0.01});
     CHECK(square.along_x == Approx(0.5));
     CHECK(square.along_y == Approx(0.5));
     CHECK(square.diagonal == Approx(1));
     CHECK_FALSE(isotropic_shares({0.01, 0.018}));
-    // the paper's own heuristic (7) stays what it is
+    // the measure of (7) itself is unchanged
     const SpringMesh mesh = embedded_block(Lattice{{2, 2, 2}, {0.02, 0.02, 0.02}});
     CHECK(mesh.incident_measure.maxCoeff() == Approx(1e-6));
     CHECK(isotropic_measure(mesh).sum() == Approx(mesh.incident_measure.sum()).epsilon(1e-12));
@@ -96,10 +99,11 @@ TEST_CASE("squares have the shares that are said, cells too oblong none, and the
     CHECK(isotropic_measure(edges) == edges.incident_measure);
 }
 
-TEST_CASE("springs of a law in an embedded lattice are isotropic however its cubes are cut", "[isotropic][embedded]") {
+TEST_CASE("untrained springs in an embedded lattice are isotropic with cubes cut by the surface", "[isotropic][embedded]") {
     const SpringMesh mesh = embedded_lattice(dome(8), 0.0073);
     const auto [least, most] = stiffness_range(mesh);
-    const double cubes_m3 = std::pow(0.0073, 3) * mesh.embedding.fraction.sum();  // nodes' least masses are none of it
+    // without the lower limit of node_measure
+    const double cubes_m3 = std::pow(0.0073, 3) * mesh.embedding.fraction.sum();
     CHECK(most - least < 1e-12);
     CHECK(most == Approx(cubes_m3 / mesh.node_measure.sum()).epsilon(1e-12));
 }

@@ -5,8 +5,8 @@
 #include "../mesh/dome.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/free_surface.h"
-#include "springs/energy_law.h"
-#include "springs/law_press.h"
+#include "springs/energy_model_terms.h"
+#include "springs/indentation_solver.h"
 
 using namespace tissue;
 
@@ -14,15 +14,15 @@ namespace {
 
 constexpr double h = 0.012, radius_m = 0.007, E_Pa = 4524;
 
-LawModel law_on(const SpringMesh& mesh) {
+EnergyModel law_on(const SpringMesh& mesh) {
     const Eigen::VectorXd springs = Eigen::VectorXd::Constant(mesh.spring_count(), E_Pa), cells = Eigen::VectorXd::Constant(mesh.embedding.cubes.rows(), E_Pa);
-    const EnergyLaw law(mesh, solid_heuristic(mesh, springs, cells, E_Pa, 12, radius_m), {"spring.all"});
+    const EnergyModelTerms law(mesh, solid_heuristic(mesh, springs, cells, E_Pa, 12, radius_m), {"spring.all"});
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
     return {law.terms(), none, law.constants(none), law.patch(none), false, radius_m};
 }
 
 /// Trace of the stiffness against a small displacement of the tool [N/m].
-double stiffness(const LawPress& press, const Point& place) {
+double stiffness(const IndentationSolver& press, const Point& place) {
     double trace = 0;
     for (int d = 0; d < 3; ++d) trace += press.at(place, 1e-7 * Eigen::Vector3d::Unit(d)).contact_force[d] / 1e-7;
     return trace;
@@ -30,23 +30,23 @@ double stiffness(const LawPress& press, const Point& place) {
 
 }  // namespace
 
-TEST_CASE("corrected contacts are as stiff as on the average of four shifted lattices", "[embedded][long]") {
+TEST_CASE("the correction brings contact stiffness to the geometric mean over four shifted lattices", "[embedded][long]") {
     const Shape shape = dome(8);
     const SpringMesh mesh = embedded_lattice(shape, h);
     const FacetTable table = lattice_corrections(shape, mesh, law_on, Eigen::VectorXd::Constant(1, radius_m), 2).at(0);
     REQUIRE(table.value.rows() == mesh.facets.rows());
     const FreeSurface surface(mesh);
-    LawModel law = law_on(mesh), with_table = law;
+    EnergyModel law = law_on(mesh), with_table = law;
     with_table.disc.correction = table;
-    const LawPress plain(mesh, law), corrected(mesh, with_table);
-    std::vector<std::unique_ptr<LawPress>> shifted;
+    const IndentationSolver plain(mesh, law), corrected(mesh, with_table);
+    std::vector<std::unique_ptr<IndentationSolver>> shifted;
     for (const Eigen::Vector3d& shift : {Eigen::Vector3d(0.5, 0.5, 0), Eigen::Vector3d(0.5, 0, 0.5), Eigen::Vector3d(0, 0.5, 0.5)}) {
         const SpringMesh moved = shifted_lattice(shape, h, shift);
-        shifted.push_back(std::make_unique<LawPress>(moved, law_on(moved)));
+        shifted.push_back(std::make_unique<IndentationSolver>(moved, law_on(moved)));
     }
     double most_before = 0, most_after = 0, squares_before = 0, squares_between = 0;
     for (Eigen::Index free = 0; free < surface.facets().rows(); free += 29) {
-        const bool at_corner = free % 2 == 0;  // of the table, else between its corners
+        const bool at_corner = free % 2 == 0;  // a corner of the table; otherwise a point between
         const Point place = surface.at(free, at_corner ? Eigen::Vector3d(1, 0, 0) : Eigen::Vector3d(0.5, 0.27, 0.23));
         const double own = std::log(stiffness(plain, place));
         double mean = own / 4;
@@ -68,7 +68,7 @@ TEST_CASE("corrected contacts are as stiff as on the average of four shifted lat
         if (surface.free_of()[static_cast<std::size_t>(f)] < 0) CHECK(table.value.row(f).isZero(0));
 }
 
-TEST_CASE("a disc's corrections are the same beside those of another disc, and for any number of threads", "[embedded][long]") {
+TEST_CASE("corrections of a disc do not depend on other discs or on the number of threads", "[embedded][long]") {
     const Shape shape = dome(14);
     const SpringMesh mesh = embedded_lattice(shape, 2 * h);
     const std::vector<FacetTable> tables = lattice_corrections(shape, mesh, law_on, Eigen::Vector2d(0.005, radius_m), 2);
@@ -77,7 +77,7 @@ TEST_CASE("a disc's corrections are the same beside those of another disc, and f
     CHECK(tables[0].value != tables[1].value);
 }
 
-TEST_CASE("a shifted lattice is the lattice moved: its cubes elsewhere, the tissue in them all of it", "[embedded]") {
+TEST_CASE("a shifted lattice is offset by the given part of an edge and contains the same volume of tissue", "[embedded]") {
     const Shape shape = dome(8);
     const SpringMesh mesh = embedded_lattice(shape, h), moved = shifted_lattice(shape, h, Eigen::Vector3d(0.5, 0.25, 0));
     const auto corner = [](const SpringMesh& of) { return Eigen::Vector3d(of.nodes.row(of.embedding.cubes(0, 0)).transpose()); };

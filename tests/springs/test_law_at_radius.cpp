@@ -1,5 +1,5 @@
-// A law in space under discs of other radii than its own.
-#include "springs/law_at_radius.h"
+// An energy model in space under discs of other radii than its own.
+#include "springs/energy_model_at_radius.h"
 
 #include <array>
 #include <catch2/catch.hpp>
@@ -18,9 +18,9 @@
 #include "mesh/topology.h"
 #include "parallel.h"
 #include "springs/disc_rows.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/law_kernel.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "version.h"
 
 using namespace tissue;
@@ -33,7 +33,7 @@ const Eigen::Vector3d place(0.021, 0.033, 0.02), inward(0, 0, -1);
 
 }  // namespace
 
-TEST_CASE("radii of discs have the geometric mean of neighbours between them") {
+TEST_CASE("with_means inserts the geometric mean between neighbouring radii") {
     const Eigen::VectorXd radii_m = with_means({0.004, 0.009, 0.010});
     REQUIRE(radii_m.size() == 5);
     CHECK(radii_m[0] == 0.004);
@@ -43,55 +43,57 @@ TEST_CASE("radii of discs have the geometric mean of neighbours between them") {
     CHECK(with_means({0.007}) == Eigen::VectorXd::Constant(1, 0.007));
 }
 
-TEST_CASE("a law at another radius has its rows as they start there, what its terms of size say, and that radius' correction", "[solid]") {
+TEST_CASE("contact parameters at another radius are its start values plus size terms and its correction", "[solid]") {
     const TissueModel model = several_discs();
-    const LawModel &law = *model.energy_law, same = law_at_radius(law, own_m), none = law_at_radius(law, 0);
+    const EnergyModel &law = *model.energy_model, same = energy_model_at_radius(law, own_m), none = energy_model_at_radius(law, 0);
     CHECK(same.patch.log_N_m == law.patch.log_N_m);
     CHECK(none.sizes.radii_m == law.sizes.radii_m);
-    const LawModel large = law_at_radius(law, 0.010);
+    const EnergyModel large = energy_model_at_radius(law, 0.010);
     const double x = std::log(0.010 / own_m);
     const Eigen::VectorXd grown = (large.patch.log_N_m - law.patch.log_N_m).col(0);
     const Eigen::VectorXd start = start_of_disc(4500, 0.010, 0.010) - start_of_disc(4500, own_m, 0.010);
     CHECK((grown - start - x * (Eigen::VectorXd(7) << 0.3, 0, 0, 0, 1.5, 0, 0).finished()).norm() < 1e-12);
     CHECK((large.patch.log_N_m - law.patch.log_N_m).rightCols(3).isZero(0));
-    CHECK(large.patch.log_N_m == resized(law.patch, law.terms, law.coefficients, 0.007, 0.010, x).log_N_m);  // as training has it
-    CHECK((law_of_contact(law, 0.010).patch.log_N_m - large.patch.log_N_m).isZero(1e-12));  // as the tick has it
-    CHECK((law_of_contact(law, 0.005).patch.log_N_m - law_at_radius(law, 0.005).patch.log_N_m).isZero(1e-12));
-    const Eigen::VectorXd small = law_of_contact(law, 0.001).patch.log_N_m.col(0) - law_of_contact(law, 0.002).patch.log_N_m.col(0);  // what was learned has ended there
+    // as in training
+    CHECK(large.patch.log_N_m == resized(law.patch, law.terms, law.coefficients, 0.007, 0.010, x).log_N_m);
+    CHECK((law_of_contact(law, 0.010).patch.log_N_m - large.patch.log_N_m).isZero(1e-12));  // as in the tick
+    CHECK((law_of_contact(law, 0.005).patch.log_N_m - energy_model_at_radius(law, 0.005).patch.log_N_m).isZero(1e-12));
+    // below the range of the training discs the size terms are constant
+    const Eigen::VectorXd small = law_of_contact(law, 0.001).patch.log_N_m.col(0) - law_of_contact(law, 0.002).patch.log_N_m.col(0);
     CHECK((small - (start_of_disc(4500, 0.001, 0.010) - start_of_disc(4500, 0.002, 0.010))).isZero(1e-12));
     CHECK(large.disc_radius_m == 0.010);
     CHECK(large.disc.correction.value.isConstant(0.06, 1e-12));
     CHECK(large.constants == law.constants);
     CHECK(large.sizes.empty());
-    // between two radii the correction changes evenly over the logarithm
+    // between two radii the correction is linear in the logarithm of the radius
     const double between = std::exp(0.25 * std::log(0.004) + 0.75 * std::log(law.sizes.radii_m[1]));
-    CHECK(law_at_radius(law, between).disc.correction.value.isConstant(-0.05 + 0.75 * 0.08, 1e-12));
+    CHECK(energy_model_at_radius(law, between).disc.correction.value.isConstant(-0.05 + 0.75 * 0.08, 1e-12));
 
-    CHECK_THAT(refusal<MismatchError>([&] { law_at_radius(law, 0.0039); }), Contains("3.9 mm") && Contains("discs from 4 to 10 mm"));
-    CHECK_THAT(refusal<MismatchError>([&] { law_at_radius(law, 0.0101); }), Contains("10.1 mm"));
-    CHECK_THROWS_AS(law_at_radius(law, std::nan("")), MismatchError);
-    CHECK_THAT(refusal<MismatchError>([&] { law_at_radius(*solid_law_example(model.mesh).energy_law, 0.006); }), Contains("a disc of 7 mm alone"));
+    CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(law, 0.0039); }), Contains("3.9 mm") && Contains("discs from 4 to 10 mm"));
+    CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(law, 0.0101); }), Contains("10.1 mm"));
+    CHECK_THROWS_AS(energy_model_at_radius(law, std::nan("")), MismatchError);
+    CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(*solid_law_example(model.mesh).energy_model, 0.006); }), Contains("only a disc of 7 mm"));
 }
 
-TEST_CASE("a press of another disc is that of the law at its radius, made once for all threads", "[solid]") {
+TEST_CASE("LawPress of another disc is that of the model at its radius and is made once for all threads", "[solid]") {
     const TissueModel model = several_discs();
-    const LawPress press(model);
+    const IndentationSolver press(model);
     CHECK(&press.of(0) == &press);
     CHECK(&press.of(own_m) == &press);
-    std::array<const LawPress*, 4> made{};
+    std::array<const IndentationSolver*, 4> made{};
     parallel_for(4, 4, [&](int i) { made[static_cast<std::size_t>(i)] = &press.of(0.005); });
-    const LawPress& other = *made[0];
-    for (const LawPress* one : made) CHECK(one == &other);
-    const Equilibrium here = other.at(place, 0.002 * inward), there = LawPress(with_tool(model, {ToolChoice::Shape::disc, 0.005})).at(place, 0.002 * inward);
+    const IndentationSolver& other = *made[0];
+    for (const IndentationSolver* one : made) CHECK(one == &other);
+    const Equilibrium here = other.at(place, 0.002 * inward), there = IndentationSolver(with_tool(model, {ToolChoice::Shape::disc, 0.005})).at(place, 0.002 * inward);
     REQUIRE(here);
     CHECK(here.contact_force == there.contact_force);
     CHECK(here.contact_force.norm() < 0.9 * press.at(place, 0.002 * inward).contact_force.norm());
     CHECK_THROWS_AS(press.of(0.02), MismatchError);
 }
 
-TEST_CASE("a contact's derivative by its terms of size agrees with differences", "[solid]") {
+TEST_CASE("derivatives of contact parameters by size terms agree with finite differences", "[solid]") {
     const SpringMesh mesh = embedded_block(Lattice{{4, 4, 2}, {0.04, 0.04, 0.02}});
-    const EnergyLaw law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), 4500), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), 4500), 4500, 12, own_m),
+    const EnergyModelTerms law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), 4500), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), 4500), 4500, 12, own_m),
                         {"contact.normal", "contact.normal.size", "contact.hardening.size", "contact.coupling.size"});
     const Eigen::VectorXd p = Eigen::Vector4d(0.2, 0.4, -0.7, 0.3);
     const ContactFactors factors = ContactFactors(1, 0.2, 0, 0.5);
@@ -107,7 +109,7 @@ TEST_CASE("a contact's derivative by its terms of size agrees with differences",
     CHECK((grown - start - log_times * (Eigen::VectorXd(7) << 0.4, 0, 0, 0, -0.7, 0, 0.3).finished()).norm() < 1e-12);
 }
 
-TEST_CASE("what a law knows of other discs comes back from its file; what contradicts itself is refused", "[solid]") {
+TEST_CASE("an energy model for several discs is read back unchanged; contradictory datasets are refused", "[solid]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     const TissueModel model = several_discs();
@@ -120,32 +122,32 @@ TEST_CASE("what a law knows of other discs comes back from its file; what contra
     write_model(file, model, {"tissuectl test", 0, {}});
     CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == curve_format_version);
     set_format_version(file, radii_format_version);
-    CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("/law/radii") && Contains("train the model anew"));
+    CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("/law/radii") && Contains("train the model again"));
     set_format_version(file, rows_format_version);
     const TissueModel back = read_model(file);
-    CHECK(back.energy_law->sizes.radii_m == model.energy_law->sizes.radii_m);
-    REQUIRE(back.energy_law->sizes.correction.size() == 5);
-    CHECK(back.energy_law->sizes.correction[4].value == model.energy_law->sizes.correction[4].value);
+    CHECK(back.energy_model->sizes.radii_m == model.energy_model->sizes.radii_m);
+    REQUIRE(back.energy_model->sizes.correction.size() == 5);
+    CHECK(back.energy_model->sizes.correction[4].value == model.energy_model->sizes.correction[4].value);
     CHECK(back.case_radius_m[0] == 0.004);
     CHECK_FALSE(back.is_own_case(0));
-    CHECK(back.deepest_m() == Approx(0.006 * 7 / 4));  // in proportion
+    CHECK(back.deepest_m() == Approx(0.006 * 7 / 4));  // proportional to the radius
     CHECK(with_tool(back, {ToolChoice::Shape::disc, 0.005}).deepest_m() == Approx(0.006 * 5 / 4));
-    CHECK(law_at_radius(*back.energy_law, 0.005).patch.log_N_m == law_at_radius(*model.energy_law, 0.005).patch.log_N_m);
+    CHECK(energy_model_at_radius(*back.energy_model, 0.005).patch.log_N_m == energy_model_at_radius(*model.energy_model, 0.005).patch.log_N_m);
 
-    CHECK_THAT(refused([](TissueModel& m) { m.energy_law->sizes.radii_m[2] = 0.0071; }), Contains("/law/radii") && Contains("disc_radius_m"));
-    CHECK_THAT(refused([](TissueModel& m) { m.energy_law->sizes.correction.pop_back(); }), Contains("/law/radius_corrections") && Contains("wanted"));
-    CHECK_THAT(refused([](TissueModel& m) { m.energy_law->sizes.correction.clear(); }), Contains("/law/radius_corrections") && Contains("belong together"));
-    CHECK_THAT(refused([](TissueModel& m) { m.case_radius_m[0] = 0.011; }), Contains("/cases/radius") && Contains("beyond"));
+    CHECK_THAT(refused([](TissueModel& m) { m.energy_model->sizes.radii_m[2] = 0.0071; }), Contains("/law/radii") && Contains("disc_radius_m"));
+    CHECK_THAT(refused([](TissueModel& m) { m.energy_model->sizes.correction.pop_back(); }), Contains("/law/radius_corrections") && Contains("must"));
+    CHECK_THAT(refused([](TissueModel& m) { m.energy_model->sizes.correction.clear(); }), Contains("/law/radius_corrections") && Contains("belong together"));
+    CHECK_THAT(refused([](TissueModel& m) { m.case_radius_m[0] = 0.011; }), Contains("/cases/radius") && Contains("outside the range"));
     CHECK_THAT(refused([](TissueModel& m) { m.case_radius_m.resize(0); }), Contains("/cases/radius") && Contains("belong together"));
     TissueModel alone = model;
-    alone.energy_law->sizes = {};
+    alone.energy_model->sizes = {};
     alone.case_radius_m.resize(0);
     write_model(file, alone, {"tissuectl test", 0, {}});
     CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == curve_format_version);
-    CHECK(read_model(file).energy_law->sizes.empty());
+    CHECK(read_model(file).energy_model->sizes.empty());
 }
 
-TEST_CASE("a session plays with the disc that it is given, and refuses one that the model does not know", "[solid][simulation]") {
+TEST_CASE("a session simulates the disc of with_tool and refuses a disc that its model is not for", "[solid][simulation]") {
     const TissueModel model = several_discs();
     HapticOptions options;
     options.heuristic_mesh = false;
@@ -160,12 +162,12 @@ TEST_CASE("a session plays with the disc that it is given, and refuses one that 
         simulation.tick(sample);
     }
     const TickRecord& r = simulation.record();
-    const Equilibrium rest = LawPress(other).at(small.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
+    const Equilibrium rest = IndentationSolver(other).at(small.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
     REQUIRE(rest);
     CHECK((r.coupling_N + rest.contact_force).norm() < 2e-3 * rest.contact_force.norm());
     CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool disc:0.005"));
     CHECK_THROWS_AS(with_tool(model, {ToolChoice::Shape::disc, 0.02}), MismatchError);
-    CHECK(with_tool(model, {ToolChoice::Shape::disc, 0}).energy_law->sizes.radii_m == model.energy_law->sizes.radii_m);
+    CHECK(with_tool(model, {ToolChoice::Shape::disc, 0}).energy_model->sizes.radii_m == model.energy_model->sizes.radii_m);
     CHECK_FALSE(other.is_own_case(0));
     CHECK(with_tool(model, {ToolChoice::Shape::disc, 0.004}).is_own_case(0));
 }

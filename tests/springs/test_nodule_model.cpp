@@ -30,7 +30,7 @@ const Provenance by_test = {"tissuectl test", 11, {}};
 
 }  // namespace
 
-TEST_CASE("a model's nodule comes back from its file as it was, in the format of a model without", "[nodule]") {
+TEST_CASE("a model's nodule is read back unchanged and leaves the format version unchanged", "[nodule]") {
     const TemporaryFolder folder;
     TissueModel model = with_nodule();
     write_model(folder.file("model.h5"), model, by_test);
@@ -46,7 +46,7 @@ TEST_CASE("a model's nodule comes back from its file as it was, in the format of
     CHECK(read_model(without).nodule.empty());
 }
 
-TEST_CASE("every dataset of a nodule has its rule, and changed in any way is refused in one line", "[nodule]") {
+TEST_CASE("every nodule dataset has a rule and is refused in one line when made invalid", "[nodule]") {
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.h5"), file = folder.file("model.h5");
     write_model(whole, with_nodule(), by_test);
@@ -70,7 +70,7 @@ TEST_CASE("every dataset of a nodule has its rule, and changed in any way is ref
     CHECK(refused > 10);
 }
 
-TEST_CASE("a nodule that does not close, points inwards or lies outside the tissue is refused by name", "[nodule]") {
+TEST_CASE("a nodule that is open or inward or outside the tissue or too large is refused by name", "[nodule]") {
     const TemporaryFolder folder;
     const auto said = [&](const auto& change) {
         TissueModel model = with_nodule();
@@ -78,8 +78,8 @@ TEST_CASE("a nodule that does not close, points inwards or lies outside the tiss
         write_model(folder.file("model.h5"), model, by_test);
         return refusal<FileError>([&] { read_model(folder.file("model.h5")); });
     };
-    CHECK_THAT(said([](NoduleSurface& n) { n.triangles.conservativeResize(n.triangles.rows() - 1, 3); }), Contains("/nodule/triangles: do not close"));
-    CHECK_THAT(said([](NoduleSurface& n) { n.triangles.col(0).swap(n.triangles.col(1)); }), Contains("/nodule/triangles: point inwards"));
-    CHECK_THAT(said([](NoduleSurface& n) { n.points.col(2).array() += 0.1; }), Contains("/nodule/points: point 0 lies outside the tissue"));
-    CHECK_THAT(said([](NoduleSurface& n) { n.points = n.points.row(0).replicate(20001, 1).eval(); }), Contains("/nodule/points: has 20001 points; 20000 are possible"));
+    CHECK_THAT(said([](NoduleSurface& n) { n.triangles.conservativeResize(n.triangles.rows() - 1, 3); }), Contains("/nodule/triangles: are not closed"));
+    CHECK_THAT(said([](NoduleSurface& n) { n.triangles.col(0).swap(n.triangles.col(1)); }), Contains("/nodule/triangles: have inward normals"));
+    CHECK_THAT(said([](NoduleSurface& n) { n.points.col(2).array() += 0.1; }), Contains("/nodule/points: point 0 is outside the tissue"));
+    CHECK_THAT(said([](NoduleSurface& n) { n.points = n.points.row(0).replicate(20001, 1).eval(); }), Contains("/nodule/points: has 20001 points; at most 20000 are possible"));
 }

@@ -17,10 +17,10 @@ namespace {
 constexpr double h = 0.008, R = 0.007, pi = 3.14159265358979323846;
 const Eigen::Vector3d down(0, 0, -1);
 
-/// Of 64 x 64 x 32 mm, in whole cubes of 8 mm.
+/// A block of 64 x 64 x 32 mm in whole cubes of 8 mm.
 SpringMesh flat() { return embedded_lattice(solid_block(Lattice{{5, 5, 3}, {0.064, 0.064, 0.032}}), h); }
 
-/// What rows take of displacements.
+/// The rows' sums of nodal displacements.
 Eigen::VectorXd taken(const ContactRows& rows, const NodeField& u) {
     Eigen::VectorXd own(3 * static_cast<Eigen::Index>(rows.nodes.size()));
     for (std::size_t i = 0; i < rows.nodes.size(); ++i) own.segment<3>(3 * static_cast<Eigen::Index>(i)) = u.row(rows.nodes[i]).transpose();
@@ -31,7 +31,7 @@ double shares(const ContactRows& rows) { return rows.share.tail(rows.share.size(
 
 }  // namespace
 
-TEST_CASE("through the mean of a disc's own points the tissue bears 5/4 of the hand's force, and linear fields are exact in it", "[embedded]") {
+TEST_CASE("the mean of a disc's points has total weight 5/4 of the tool's force and is exact for linear fields", "[embedded]") {
     const SpringMesh mesh = flat();
     const DiscContact kernel(mesh, R);
     const Eigen::Vector3d at(0.0331, 0.0287, 0.032);
@@ -40,7 +40,8 @@ TEST_CASE("through the mean of a disc's own points the tissue bears 5/4 of the h
     CHECK(rows.mean.sum() == Approx(1));
     NodeField u = NodeField::Ones(mesh.node_count(), 3);
     CHECK((1.25 * rows.push.topRows<3>() * Eigen::Vector3d::Ones() - taken(rows, u).head<3>()).norm() < 1e-12);
-    double hertz = 0, felt = 0;  // the pressure that a parabola has on a half space, and what is conjugate to the parabola's depth
+    // integrals of Hertz's pressure p and of p phi, which is conjugate to the tool displacement
+    double hertz = 0, felt = 0;
     for (double x = 5e-5; x < 1; x += 1e-4) hertz += std::sqrt(1 - x * x) * x, felt += std::sqrt(1 - x * x) * disc_profile(x) * x;
     CHECK(hertz / felt == Approx(PolarPoints::total).epsilon(1e-4));
     Eigen::Matrix3d strain;
@@ -49,10 +50,10 @@ TEST_CASE("through the mean of a disc's own points the tissue bears 5/4 of the h
     CHECK(taken(rows, u).head<3>().norm() < 1e-12);
 }
 
-TEST_CASE("the mean of a disc's own points reaches 1.6 edges of a cube, however small the disc, and 1.5 radii of a larger one", "[embedded]") {
+TEST_CASE("the mean of a disc's points reaches the larger of 1.6 cube edges and 1.5 radii", "[embedded]") {
     const SpringMesh mesh = flat();
     const Eigen::Vector3d at(0.0331, 0.0287, 0.032);
-    const auto squared_m2 = [&](const ContactRows& rows) {  // mean of the squared way along the surface
+    const auto squared_m2 = [&](const ContactRows& rows) {  // weighted mean of the squared distance along the surface
         double sum = 0;
         for (std::size_t i = 0; i < rows.nodes.size(); ++i)
             if (static_cast<Eigen::Index>(i) < rows.mean.size()) sum += rows.mean[static_cast<Eigen::Index>(i)] * (mesh.nodes.row(rows.nodes[i]).head<2>().transpose() - at.head<2>()).squaredNorm();
@@ -60,19 +61,20 @@ TEST_CASE("the mean of a disc's own points reaches 1.6 edges of a cube, however 
     };
     for (const double radius_m : {0.002, 0.007, 0.012}) {
         const double m = std::max(1.6 * h, 1.5 * radius_m);
-        // of (1 - (r / m)^2)^2 over a circle m^2 / 4; a point between two nodes has of each axis h^2 / 6 more, on average
+        // m^2 / 4 for weights (1 - (r / m)^2)^2 on a circle; interpolation between nodes adds h^2 / 6 per axis on
+        // average
         CHECK(squared_m2(DiscContact(mesh, radius_m).rows_at(at)) == Approx(m * m / 4 + h * h / 3).epsilon(0.1));
     }
     const ContactRows small = DiscContact(mesh, 0.002).rows_at(at), usual = DiscContact(mesh, R).rows_at(at);
     CHECK(squared_m2(small) == Approx(squared_m2(usual)));
 }
 
-TEST_CASE("the tangent of a disc's own points is that of all its rows", "[embedded]") {
+TEST_CASE("the sparse tangent of a disc's points is the dense one of all its rows", "[embedded]") {
     const SpringMesh mesh = flat();
     const DiscContact kernel(mesh, R);
-    PatchLaw law;
-    law.log_N_m.setConstant(PatchLaw::disc_rows, PatchLaw::factors, 0.3);
-    ContactRows rows = kernel.rows_at(Eigen::Vector3d(0.0011, 0.0287, 0.032));  // some points off the tissue
+    ContactParameters law;
+    law.log_N_m.setConstant(ContactParameters::disc_rows, ContactParameters::factors, 0.3);
+    ContactRows rows = kernel.rows_at(Eigen::Vector3d(0.0011, 0.0287, 0.032));  // some points outside the tissue
     const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(rows.pull.cols(), -1e-3, 2e-3);
     const Eigen::Vector3d push(1e-3, -2e-3, -4e-3);
     REQUIRE(rows.touched.size() == 61);
@@ -82,7 +84,7 @@ TEST_CASE("the tangent of a disc's own points is that of all its rows", "[embedd
     CHECK((sparse - dense).norm() < 1e-13 * dense.norm());
 }
 
-TEST_CASE("shares of a disc's own points are 1 in all under it, and fall to none at the imprint's end", "[embedded]") {
+TEST_CASE("shares of a disc's points sum to 1 under it and decrease to 0 at the imprint's end", "[embedded]") {
     const SpringMesh mesh = flat();
     const ContactRows rows = DiscContact(mesh, R).rows_at(Eigen::Vector3d(0.0331, 0.0287, 0.032));
     for (int k = 0; k < PolarPoints::under; ++k) CHECK(rows.share[3 + 3 * k] == Approx(1.0 / 24));
@@ -92,7 +94,7 @@ TEST_CASE("shares of a disc's own points are 1 in all under it, and fall to none
     }
 }
 
-TEST_CASE("beyond all tissue a disc's own points fade; far from it there is no contact", "[embedded]") {
+TEST_CASE("shares of a disc's points decrease beyond the tissue's edge; far away there is no contact", "[embedded]") {
     const SpringMesh mesh = flat();
     const DiscContact kernel(mesh, R);
     const double whole = shares(kernel.rows_at(Eigen::Vector3d(0.032, 0.032, 0.032)));
@@ -100,7 +102,7 @@ TEST_CASE("beyond all tissue a disc's own points fade; far from it there is no c
     for (double x : {0.015, 0.011, 0.006, 0.002, 0.0001}) {
         const double here = shares(kernel.rows_at(Eigen::Vector3d(x, 0.032, 0.032)));
         CHECK(here < before);
-        CHECK(here > 0.4 * whole);  // half of the disc stands on tissue at the edge
+        CHECK(here > 0.4 * whole);  // at the edge half of the disc is over tissue
         before = here;
     }
     const PolarPoints points(mesh, 2.5);
@@ -112,7 +114,7 @@ TEST_CASE("beyond all tissue a disc's own points fade; far from it there is no c
     for (int k = 0; k < footing.points; ++k) CHECK(footing.point[k].share == 0);
 }
 
-TEST_CASE("a disc's own point that fades to nothing still has nodes to give back what it remembers", "[embedded]") {
+TEST_CASE("a disc's point of share 0 keeps its eight nodes for its branch state", "[embedded]") {
     const SpringMesh mesh = flat();
     const PolarPoints points(mesh, 2.5);
     Footing footing;
@@ -124,7 +126,7 @@ TEST_CASE("a disc's own point that fades to nothing still has nodes to give back
     CHECK(outer.end - outer.begin == 8);
 }
 
-TEST_CASE("a disc that goes along an embedded solid's surface takes of the lattice what moves without jumps, over cubes' faces too", "[embedded]") {
+TEST_CASE("displacements under a disc that moves along an embedded surface are continuous across cube faces", "[embedded]") {
     const SpringMesh mesh = embedded_lattice(dome(8), 0.009);
     const DiscContact kernel(mesh, R);
     const NodeField u = (mesh.nodes.array() * 300).sin().matrix();  // smooth, of size 1
@@ -136,22 +138,23 @@ TEST_CASE("a disc that goes along an embedded solid's surface takes of the latti
         const ContactRows rows = kernel.rows_at(surface.nearest(Eigen::Vector3d(-0.06 * std::cos(angle), 0.0043, 0.06 * std::sin(angle))).point_m);
         REQUIRE(rows.share.size() == 3 + 3 * (PolarPoints::under + PolarPoints::beyond));
         Eigen::VectorXd now = taken(rows, u);
-        const Eigen::Matrix3d axes = rows.push.topRows<3>().transpose();  // in space: rows lie along these, which may turn at once
+        // to global axes, because the axes of the rows may turn discontinuously
+        const Eigen::Matrix3d axes = rows.push.topRows<3>().transpose();
         for (Eigen::Index r = 0; r < now.size(); r += 3) now.segment<3>(r) = (r < 3 ? 1 : PolarPoints::under * rows.share[r]) * axes * now.segment<3>(r).eval();
         now.conservativeResize(now.size() + 1);
-        now[now.size() - 1] = rows.factors[PatchLaw::curved_factor];
+        now[now.size() - 1] = rows.factors[ContactParameters::curved_factor];
         if (i > 0) largest = std::max(largest, (now - before).cwiseAbs().maxCoeff());
         before = now;
     }
-    CHECK(largest < 0.06);  // 0.14 mm of 300 / m are 0.043
+    CHECK(largest < 0.06);  // a step of 0.14 mm times the gradient 300 / m is 0.043
 }
 
-TEST_CASE("the frame that a disc's points lie along turns without jumps all over a solid, and is one of unit vectors across the normal", "[embedded]") {
+TEST_CASE("the tangent frame of a disc's points is orthonormal and continuous except where the bed faces", "[embedded]") {
     const SpringMesh mesh = embedded_lattice(dome(6), 0.011);
     const PolarPoints points(mesh, 2.5);
     const auto inward = [](double polar, double azimuth) { return Eigen::Vector3d(-std::sin(polar) * std::cos(azimuth), -std::sin(polar) * std::sin(azimuth), -std::cos(polar)); };
     const double step = 1e-3;
-    for (double polar = 0; polar < 2.6; polar += 0.05)  // 180 degrees: as the bed faces
+    for (double polar = 0; polar < 2.6; polar += 0.05)  // 180 degrees: the direction that the bed faces
         for (double azimuth = 0; azimuth < 2 * pi; azimuth += 0.05) {
             const Eigen::Vector3d n = inward(polar, azimuth);
             Eigen::Matrix3d frame;
@@ -162,24 +165,24 @@ TEST_CASE("the frame that a disc's points lie along turns without jumps all over
         }
 }
 
-TEST_CASE("how a surface bends counts as far as it was trained, and a place's correction scales all of a contact", "[embedded]") {
+TEST_CASE("the curvature factor is clamped to its trained range; a correction scales the whole contact", "[embedded]") {
     const SpringMesh mesh = flat();
     const Eigen::Vector3d place(3.2 * h, 3.1 * h, 4 * h);
     const DiscContact free(mesh, R), bounded(mesh, R, {{}, {0.1, 0.2}, {}}), corrected(mesh, R, {{}, {-9, 9}, {NodeField::Constant(mesh.facets.rows(), 6, 0.3)}});
-    REQUIRE(std::abs(free.rows_at(place).factors[PatchLaw::curved_factor]) < 1e-9);
-    CHECK(bounded.rows_at(place).factors[PatchLaw::curved_factor] == 0.1);
+    REQUIRE(std::abs(free.rows_at(place).factors[ContactParameters::curved_factor]) < 1e-9);
+    CHECK(bounded.rows_at(place).factors[ContactParameters::curved_factor] == 0.1);
     CHECK(corrected.rows_at(place).factors == free.rows_at(place).factors);
 
-    PatchLaw law;
-    law.log_N_m.setConstant(PatchLaw::disc_rows, PatchLaw::factors, 0.1);
-    law.log_N_m.col(PatchLaw::curved_factor).setConstant(3);
+    ContactParameters law;
+    law.log_N_m.setConstant(ContactParameters::disc_rows, ContactParameters::factors, 0.1);
+    law.log_N_m.col(ContactParameters::curved_factor).setConstant(3);
     const ContactSpring unscaled(free.rows_at(place), law), scaled(corrected.rows_at(place), law);
     CHECK(ContactSpring(bounded.rows_at(place), law).k_N_m[0] == Approx(unscaled.k_N_m[0] * std::exp(3 * 0.1)));
     CHECK(scaled.k_N_m.isApprox(std::exp(0.3) * unscaled.k_N_m, 1e-12));
     CHECK(scaled.hardening_1_J == Approx(std::exp(-0.3) * unscaled.hardening_1_J));
 }
 
-TEST_CASE("a place in an embedded lattice is found by its cube, and where that was left out by the nearest", "[embedded]") {
+TEST_CASE("CubeSearch finds the cube of a place or the nearest of its neighbours or none far away", "[embedded]") {
     const SpringMesh mesh = flat();
     const CubeSearch search(mesh.nodes, mesh.embedding.cubes, h);
     for (Eigen::Index c = 0; c < mesh.embedding.cubes.rows(); ++c) {
@@ -196,7 +199,7 @@ TEST_CASE("a place in an embedded lattice is found by its cube, and where that w
     CHECK(above.weight[0] == Approx(-0.5 / 4));
     CHECK(search.at(Eigen::Vector3d(0.5 * h, 0.5 * h, 6.5 * h)).cube == -1);
     CHECK(search.at(Eigen::Vector3d(-1e9, 0.5 * h, 1e30)).cube == -1);
-    CHECK_THROWS_WITH(CubeSearch(mesh.nodes, mesh.embedding.cubes, 2 * h), Contains("does not stand on a lattice of 16 mm"));
-    CHECK_THROWS_WITH(CubeSearch(mesh.nodes, mesh.embedding.cubes, h / 3), Contains("does not stand on a lattice of"));
-    CHECK_THROWS_WITH(CubeSearch(mesh.nodes, mesh.embedding.cubes, 1e-6 * h), Contains("stand in a box of"));
+    CHECK_THROWS_WITH(CubeSearch(mesh.nodes, mesh.embedding.cubes, 2 * h), Contains("is not on a lattice of 16 mm"));
+    CHECK_THROWS_WITH(CubeSearch(mesh.nodes, mesh.embedding.cubes, h / 3), Contains("is not on a lattice of"));
+    CHECK_THROWS_WITH(CubeSearch(mesh.nodes, mesh.embedding.cubes, 1e-6 * h), Contains("are in a box of"));
 }

@@ -8,7 +8,7 @@ using namespace tissue;
 
 namespace {
 
-/// Smallest eigenvalue of K with the fixed nodes taken out [N/m].
+/// Smallest eigenvalue of K without the fixed nodes [N/m].
 double smallest_eigenvalue(const SpringMesh& mesh, const Eigen::VectorXd& theta) {
     const Eigen::MatrixXd K(
         make_spring_law("axial")->stiffness(mesh, theta, NodeField::Zero(mesh.node_count(), mesh.dimension())));
@@ -20,7 +20,7 @@ double smallest_eigenvalue(const SpringMesh& mesh, const Eigen::VectorXd& theta)
 
 }  // namespace
 
-TEST_CASE("axial grid8: the floor keeps K positive definite for every set in the box and every mean of sets") {
+TEST_CASE("axial grid8: the lower bound on theta keeps K positive definite for random sets and their means") {
     // K is linear in theta with positive semidefinite coefficients, so theta >= floor gives K(theta) >= floor K(1)
     const SpringMesh mesh = make_lattice("grid8", 6, 6, 0.1, 0.1);
     const double floor = 0.05, ceiling = 40;

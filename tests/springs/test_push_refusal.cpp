@@ -21,7 +21,7 @@ Point at(std::initializer_list<double> x) {
 
 }  // namespace
 
-TEST_CASE("a push is refused off the free surface, on what is held, out of the tissue, and where it is no number", "[push]") {
+TEST_CASE("an indentation is refused off the surface, on the fixed part, outwards or with invalid numbers", "[push]") {
     const double nan = std::nan(""), infinite = std::numeric_limits<double>::infinity();
     struct Tissue {
         SpringMesh mesh;
@@ -38,18 +38,18 @@ TEST_CASE("a push is refused off the free surface, on what is held, out of the t
         CHECK(why(t.contact, t.into) == "");
         CHECK(why(t.contact, t.along) == "");
         CHECK(why(t.contact, 0 * t.into) == "");
-        CHECK(why(t.contact - 0.4 * t.into, t.into) == "");  // 1.6 mm above it
+        CHECK(why(t.contact - 0.4 * t.into, t.into) == "");  // 1.6 mm above the surface
         CHECK_THAT(why(t.contact, -t.into), Contains("out of the tissue"));
         CHECK_THAT(why(t.contact, t.along - 0.001 * t.into), Contains("out of the tissue"));
         CHECK_THAT(why(t.contact - t.into, t.into), Contains("4 mm off the surface, more than 2 mm"));
         CHECK_THAT(why(Point(t.contact.array() + 5), t.into), Contains("off the surface"));
-        CHECK_THAT(why(t.held_node, t.into), Contains("on what is held"));
-        CHECK_THAT(why(t.held_middle, -t.into), Contains("on what is held"));
+        CHECK_THAT(why(t.held_node, t.into), Contains("on a fixed part"));
+        CHECK_THAT(why(t.held_middle, -t.into), Contains("on a fixed part"));
         for (double none : {nan, infinite}) {
             Point contact = t.contact, push = t.into;
             contact[0] = push[0] = none;
-            CHECK_THAT(why(contact, t.into), Contains("has a number that is none"));
-            CHECK_THAT(why(t.contact, push), Contains("has a number that is none"));
+            CHECK_THAT(why(contact, t.into), Contains("has a number that is not finite"));
+            CHECK_THAT(why(t.contact, push), Contains("has a number that is not finite"));
         }
         CHECK_THAT(why(at({0.1}), t.into), Contains("axes"));
         CHECK_THAT(why(t.contact, at({0.1})), Contains("axes"));

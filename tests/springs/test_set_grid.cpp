@@ -40,7 +40,7 @@ const Example& example() {
 
 }  // namespace
 
-TEST_CASE("at a trained contact its own set serves alone") {
+TEST_CASE("at a trained contact the nearest spring set is the one of that contact") {
     const SetGrid grid(example().model);
     for (int c = 0; c < 18; ++c) {
         const Eigen::Vector2d contact = example().model.contact_m.row(c), push = example().model.direction.row(c);
@@ -49,12 +49,12 @@ TEST_CASE("at a trained contact its own set serves alone") {
     }
 }
 
-TEST_CASE("the nearest set is so in place, then in angle, then in depth, however far") {
+TEST_CASE("the nearest spring set is chosen by arc length first; then by angle; then by depth") {
     const SetGrid grid(example().model);
     const auto nearest = [&](double arc, double angle, double depth) {
         return grid.nearest(arc, grid.outline().direction(arc, angle), depth);
     };
     CHECK(nearest(0.162, 0.2, 0.009) == 1 * 6 + 2 * 2 + 1);   // 0.16, 0.3, 10 mm
     CHECK(nearest(0.154, -0.3, 0.005) == 0 * 6 + 0 * 2 + 0);  // 0.15, -0.4, 4 mm
-    CHECK(nearest(0.12, -0.1, 0.05) == 0 * 6 + 1 * 2 + 1);    // outside all of them
+    CHECK(nearest(0.12, -0.1, 0.05) == 0 * 6 + 1 * 2 + 1);    // outside the range of all sets
 }

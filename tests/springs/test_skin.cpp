@@ -10,7 +10,7 @@
 #include "mesh/free_surface.h"
 #include "mesh/topology.h"
 #include "springs/disc_contact.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
@@ -21,10 +21,10 @@ constexpr double radius_m = 0.007;
 
 SpringMesh block() { return embedded_block(Lattice{{8, 8, 3}, {0.08, 0.08, 0.03}}); }
 
-const SkinLaw some_skin(0.3, -0.2, 0.4, 0.5);
+const SkinParameters some_skin(0.3, -0.2, 0.4, 0.5);
 const Eigen::Vector3d push(0.001, -0.0005, -0.004);
 
-/// The node that lies at a place [m].
+/// The node at a position [m].
 int node_at(const SpringMesh& mesh, const Eigen::Vector3d& place_m) {
     Eigen::Index node = 0;
     const double away_m = (mesh.nodes.rowwise() - place_m.transpose()).rowwise().norm().minCoeff(&node);
@@ -32,7 +32,7 @@ int node_at(const SpringMesh& mesh, const Eigen::Vector3d& place_m) {
     return static_cast<int>(node);
 }
 
-/// What is seen of one node's displacement u under a contact.
+/// Displayed displacement of a node with the lattice's displacement u.
 Eigen::Vector3d shown(const DiscContact& disc, int node, const Eigen::Vector3d& contact_m, const Eigen::Vector3d& u) {
     for (const SkinNode& at : disc.skin_at(contact_m))
         if (at.node == node) return at.shown(u, some_skin, push);
@@ -41,7 +41,7 @@ Eigen::Vector3d shown(const DiscContact& disc, int node, const Eigen::Vector3d& 
 
 }  // namespace
 
-TEST_CASE("under a disc the skin goes with the tool, beyond 2.5 radii with the lattice, whatever its parameters", "[solid][skin]") {
+TEST_CASE("the displayed surface follows the tool under a disc and the lattice beyond 2.5 radii", "[solid][skin]") {
     const SpringMesh mesh = block();
     const DiscContact disc(mesh, radius_m);
     const Eigen::Vector3d contact(0.041, 0.038, 0.03), u(0.002, 0.001, -0.001);
@@ -63,7 +63,7 @@ TEST_CASE("under a disc the skin goes with the tool, beyond 2.5 radii with the l
     CHECK(beside >= 8);
 }
 
-TEST_CASE("a node that a contact comes upon or leaves does not jump in the skin", "[solid][skin]") {
+TEST_CASE("the displayed displacement of a node is continuous at 1 and 2.5 radii from the contact", "[solid][skin]") {
     const SpringMesh mesh = block();
     const DiscContact disc(mesh, radius_m);
     const Eigen::Vector3d u(0.002, 0.001, -0.001);
@@ -75,7 +75,7 @@ TEST_CASE("a node that a contact comes upon or leaves does not jump in the skin"
     }
 }
 
-TEST_CASE("each parameter of the skin moves it along one direction: by the push into the tissue, along it, and one from the other", "[solid][skin]") {
+TEST_CASE("each skin parameter couples one component of the tool displacement to one direction", "[solid][skin]") {
     const SpringMesh mesh = block();
     const DiscContact disc(mesh, radius_m);
     const int node = node_at(mesh, Eigen::Vector3d(0.05, 0.04, 0.03));  // beside the contact, along x
@@ -87,15 +87,15 @@ TEST_CASE("each parameter of the skin moves it along one direction: by the push 
         const auto is = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm() < tolerance::rounding; };
         CHECK((is(moved(0, Z), w * Z) && is(moved(0, X), none) && is(moved(0, Y), none)));
         CHECK((is(moved(1, X), w * X) && is(moved(1, Y), w * Y) && is(moved(1, Z), none)));
-        CHECK((is(moved(2, X), -w * Z) && is(moved(2, Y), none) && is(moved(2, Z), none)));  // the tissue ahead goes in, n = -z
-        CHECK((is(moved(3, Z), -w * X) && is(moved(3, X), none)));                            // and away from a disc that goes in
+        CHECK((is(moved(2, X), -w * Z) && is(moved(2, Y), none) && is(moved(2, Z), none)));  // inwards ahead of the tool, n = -z
+        CHECK((is(moved(3, Z), -w * X) && is(moved(3, X), none)));  // outwards from the contact
         return;
     }
     FAIL("the node is not in the skin");
 }
 
-TEST_CASE("terms of the skin are a disc's alone, and found among a law's by name", "[solid][skin]") {
+TEST_CASE("skin terms are refused in the plane and found by name among a model's terms", "[solid][skin]") {
     const SpringMesh plane = make_lattice("grid8", 4, 4, 0.1, 0.1);
-    CHECK_THAT(refusal<MismatchError>([&] { EnergyLaw(plane, law_heuristic(plane, 450, "plane-strain", 12), {"spring.all", "skin.normal"}); }), Contains("skin.normal"));
-    CHECK(skin_of({"spring.all", "skin.radial", "skin.normal"}, Eigen::Vector3d(7, 8, 9)) == SkinLaw(9, 0, 0, 8));
+    CHECK_THAT(refusal<MismatchError>([&] { EnergyModelTerms(plane, energy_model_heuristic(plane, 450, "plane-strain", 12), {"spring.all", "skin.normal"}); }), Contains("skin.normal"));
+    CHECK(skin_of({"spring.all", "skin.radial", "skin.normal"}, Eigen::Vector3d(7, 8, 9)) == SkinParameters(9, 0, 0, 8));
 }

@@ -7,9 +7,9 @@
 #include "mesh/cells.h"
 #include "springs/disc_contact.h"
 #include "springs/disc_rows.h"
-#include "springs/energy_law.h"
+#include "springs/energy_model_terms.h"
 #include "springs/heuristic.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "../mesh/dome.h"
 #include "../tolerances.h"
 
@@ -19,16 +19,16 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-EnergyLaw law_on(const SpringMesh& mesh, const std::vector<std::string>& terms) {
+EnergyModelTerms law_on(const SpringMesh& mesh, const std::vector<std::string>& terms) {
     return {mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), 4524), Eigen::VectorXd::Constant(cell_count(mesh), 4524), 4524, 12, 0.007), terms};
 }
 
 }  // namespace
 
-TEST_CASE("springs of a solid's lattice have the shear modulus of incompressible tissue, and its cells the cap's bulk modulus, wherever its surface cuts them", "[solid_shape]") {
+TEST_CASE("springs of a cut lattice have shear modulus E/3 and its cells 0.95 of their cap as bulk modulus", "[solid_shape]") {
     const SpringMesh mesh = embedded_lattice(dome(12), 0.011);
     const Eigen::Index S = mesh.spring_count(), C = cell_count(mesh);
-    const EnergyLaw law = law_on(mesh, {"spring.all"});
+    const EnergyModelTerms law = law_on(mesh, {"spring.all"});
     Eigen::VectorXd constants = law.constants(Eigen::VectorXd::Zero(1)), springs = constants, cells = constants;
     springs.tail(C + mesh.support_count()).setZero();
     cells.head(S).setZero();
@@ -52,18 +52,18 @@ TEST_CASE("springs of a solid's lattice have the shear modulus of incompressible
     CHECK(energy.smallest_ratio(mirror) == Approx(-1).epsilon(1e-9));
 }
 
-TEST_CASE("terms for places serve a solid shape, but for those of a lattice", "[solid_shape]") {
+TEST_CASE("location terms are accepted on an embedded solid except wall and surface and held terms", "[solid_shape]") {
     const SpringMesh mesh = embedded_lattice(dome(6), 0.011);
     for (const char* term : {"spring.all", "cell.all", "spring.layer", "cell.layer", "spring.along",
                              "spring.across.layer", "spring.upright", "spring.top", "cell.bottom", "spring.z", "cell.z2", "spring.x2", "spring.face", "spring.body", "spring.vertical", "contact.normal.curved", "support.all"})
         CHECK_NOTHROW(law_on(mesh, {term}));
-    // the lattice's nodes are neither on the surface nor held
+    // lattice nodes are neither on the surface nor fixed
     for (const char* term : {"spring.wall", "cell.wall", "spring.surface", "cell.surface", "spring.held"})
         CHECK_THROWS_WITH(law_on(mesh, {term}), Contains("is not possible here; allowed: all, layer, top, bottom, nodule, x2"));
-    CHECK_THROWS_WITH(law_on(mesh, {"contact.normal.phase"}), Contains("then nothing or one of .curved, .ground, .edge"));
+    CHECK_THROWS_WITH(law_on(mesh, {"contact.normal.phase"}), Contains("optionally followed by one of .curved, .ground, .edge"));
 }
 
-/// A slab as a shape, 80 x 80 x 20 mm by boxes of 10 mm, after its nodes have been moved.
+/// A slab of 80 x 80 x 20 mm in boxes of 10 mm, with its nodes moved by `move`, in a lattice of 10 mm.
 template <class Move>
 SpringMesh slab(const Move& move) {
     Shape shape = solid_block(Lattice{{8, 8, 2}, {0.08, 0.08, 0.02}});
@@ -71,14 +71,14 @@ SpringMesh slab(const Move& move) {
     return embedded_lattice(shape, 0.01);
 }
 
-TEST_CASE("a disc on a shape knows how its surface bends: R over the radius on a cap, less than nothing in a valley, nothing on a saddle", "[solid_shape]") {
+TEST_CASE("a disc's curvature factor is R / radius on a cap, negative in a valley and 0 on a saddle", "[solid_shape]") {
     const double R = 0.007, radius_m = 0.1;
     const auto bent = [&](double along_x, double along_y) {
         const SpringMesh mesh = slab([&](Eigen::Vector3d x) {
             x[2] -= x[2] / 0.02 * (along_x * std::pow(x[0] - 0.04, 2) + along_y * std::pow(x[1] - 0.04, 2)) / (2 * radius_m);
             return x;
         });
-        return DiscContact(mesh, R).rows_at(Eigen::Vector3d(0.04, 0.04, 0.02)).factors[PatchLaw::curved_factor];
+        return DiscContact(mesh, R).rows_at(Eigen::Vector3d(0.04, 0.04, 0.02)).factors[ContactParameters::curved_factor];
     };
     CHECK(bent(0, 0) == Approx(0).margin(1e-12));
     CHECK(bent(1, 1) == Approx(R / radius_m).epsilon(0.02));
@@ -87,62 +87,62 @@ TEST_CASE("a disc on a shape knows how its surface bends: R over the radius on a
     CHECK(bent(1, -1) == Approx(0).margin(0.02 * R / radius_m));
 }
 
-TEST_CASE("a contact that softens gives way to half its stiffness, and hardens in no term beside", "[solid_shape]") {
+TEST_CASE("a softening contact falls to half its stiffness; softening terms exclude hardening terms", "[solid_shape]") {
     const SpringMesh mesh = embedded_lattice(dome(6), 0.011);
-    const EnergyLaw law = law_on(mesh, {"contact.softening"});
+    const EnergyModelTerms law = law_on(mesh, {"contact.softening"});
     const ContactRows rows = DiscContact(mesh, 0.007).rows_at(Eigen::Vector3d(0, 0, 0.05));
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * rows.nodes.size());
     ContactRows mean = rows;  // without the imprint, which does not soften
     mean.push.conservativeResize(3, 3);
     mean.pull.conservativeResize(3, rows.pull.cols());
     mean.share.conservativeResize(3);
-    mean.law_row.resize(3);
+    mean.parameter_row.resize(3);
     const auto stiffness = [&](double depth_m, double coefficient) {
         ContactSpring spring(mean, law.patch(Eigen::VectorXd::Constant(1, coefficient)));
         spring.coupling_N_m2 = 0;
-        return spring.load(rows.push.row(0).transpose() * depth_m, rest).hand_N.norm() / depth_m;
+        return spring.load(rows.push.row(0).transpose() * depth_m, rest).tool_force_N.norm() / depth_m;
     };
     const double k = stiffness(1e-9, 0);
     const Eigen::VectorXd start = start_of_disc(4524, 0.007, mesh.embedding.spacing_m).array().exp();
     CHECK(k == Approx(start[0]).epsilon(1e-6));
     CHECK(stiffness(1, 0) == Approx(k / 2).epsilon(0.01));
-    const double v = start[PatchLaw::hardening_row], s = k * 25e-6 / 2;
+    const double v = start[ContactParameters::hardening_row], s = k * 25e-6 / 2;
     CHECK(stiffness(5e-3, 0) == Approx(k * (1 + v * s + v * v * s * s / 2) / std::pow(1 + v * s, 2)).epsilon(1e-9));
     CHECK(stiffness(5e-3, 1) < stiffness(5e-3, 0));
     for (const char* term : {"contact.hardening", "contact.saturation", "contact.hardening.curved"}) {
-        CHECK_THROWS_WITH(law_on(mesh, {"contact.softening", term}), Contains("hardens and saturates, or it softens"));
-        CHECK_THROWS_WITH(law_on(mesh, {term, "contact.softening.curved"}), Contains("hardens and saturates, or it softens"));
+        CHECK_THROWS_WITH(law_on(mesh, {"contact.softening", term}), Contains("use `hardening` with `saturation`, or `softening`"));
+        CHECK_THROWS_WITH(law_on(mesh, {term, "contact.softening.curved"}), Contains("use `hardening` with `saturation`, or `softening`"));
     }
 }
 
-TEST_CASE("a pressed dome rests in balance, and its derivatives are those of its rest", "[solid_shape][long]") {
+TEST_CASE("implicit derivatives of an indented dome agree with finite differences", "[solid_shape][long]") {
     const SpringMesh mesh = embedded_lattice(dome(8), 0.011);
-    const EnergyLaw law = law_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.imprint_normal", "contact.softening", "contact.normal.curved",
+    const EnergyModelTerms law = law_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.imprint_normal", "contact.softening", "contact.normal.curved",
                                        "contact.tangent.curved", "contact.softening.curved", "support.all"});
     const TissueEnergy energy = law.energy(mesh);
     const DiscContact kernel(mesh, 0.007, {{}, {-9, 9}, {NodeField::Constant(mesh.facets.rows(), 3, 0.4)}});
-    PressSolver solver(energy, kernel);
+    EquilibriumSolver solver(energy, kernel);
     const Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(law.size(), -0.2, 0.2);
     const Eigen::Vector3d at = FreeSurface(mesh).nearest(Eigen::Vector3d(0.02, 0.013, 0.05)).point_m, push(-2e-3, 1e-3, -3e-3);
     const auto pressed = [&](const Eigen::VectorXd& q) { return solver.press(law.constants(q), ContactSpring(kernel.rows_at(at), law.patch(q)), push); };
-    const PressState state = pressed(p);
-    REQUIRE(state.status == PressStatus::held);
+    const EquilibriumState state = pressed(p);
+    REQUIRE(state.status == SolverStatus::converged);
     CHECK(state.contact_force_N.dot(push) > 0);
-    const PressDerivative by = solver.derivative(law.constants_by(p), law.stiffness_by(p, kernel.rows_at(at).factors, kernel.rows_at(at).log_scale));
+    const EquilibriumDerivative by = solver.derivative(law.constants_by(p), law.stiffness_by(p, kernel.rows_at(at).factors, kernel.rows_at(at).log_scale));
     for (Eigen::Index t = 0; t < p.size(); ++t) {
         Eigen::VectorXd low = p, high = p;
         low[t] -= 1e-4;
         high[t] += 1e-4;
-        const PressState a = pressed(low), b = pressed(high);
+        const EquilibriumState a = pressed(low), b = pressed(high);
         CHECK((by.contact_force.col(t) - Eigen::VectorXd((b.contact_force_N - a.contact_force_N) / 2e-4)).norm() < 1e-5 * state.contact_force_N.norm());
         const NodeField moved = (b.displacement - a.displacement) / 2e-4;
         CHECK((by.displacement.col(t) - as_vector(moved)).norm() < 1e-5 * state.displacement.norm());
     }
 }
 
-TEST_CASE("an embedded solid stays on its bed, whatever its springs, and others nearby share its cubes or fall apart", "[embedded]") {
+TEST_CASE("supports hold an embedded solid without cells; two blocks far apart make no connected lattice", "[embedded]") {
     const SpringMesh mesh = embedded_lattice(dome(8), 0.011);
-    const EnergyLaw law = law_on(mesh, {"spring.all"});
+    const EnergyModelTerms law = law_on(mesh, {"spring.all"});
     const Eigen::VectorXd untrained = law.constants(Eigen::VectorXd::Zero(1)), uniform = springs_alone(mesh, untrained, uniform_stiffness(mesh, 5));
     CHECK(uniform.head(mesh.spring_count()).maxCoeff() == 5);
     CHECK(uniform.head(mesh.spring_count()).minCoeff() == 2.5);  // diagonals
@@ -151,10 +151,10 @@ TEST_CASE("an embedded solid stays on its bed, whatever its springs, and others 
     CHECK(uniform.tail(mesh.support_count()) == untrained.tail(mesh.support_count()));
     const TissueEnergy energy = law.energy(mesh);
     const DiscContact kernel(mesh, 0.007);
-    PressSolver solver(energy, kernel);
+    EquilibriumSolver solver(energy, kernel);
     const Point top = FreeSurface(mesh).nearest(Eigen::Vector3d(0, 0, 0.05)).point_m;
-    const PressState state = solver.press(uniform, ContactSpring(kernel.rows_at(top), law.patch(Eigen::VectorXd::Zero(1))), Eigen::Vector3d(0, 0, -0.004));
-    REQUIRE(state.status == PressStatus::held);
+    const EquilibriumState state = solver.press(uniform, ContactSpring(kernel.rows_at(top), law.patch(Eigen::VectorXd::Zero(1))), Eigen::Vector3d(0, 0, -0.004));
+    REQUIRE(state.status == SolverStatus::converged);
     for (int node : mesh.fixed) CHECK(state.displacement.row(node).norm() < 1e-4);
 
     const auto two_blocks = [](double gap_m) {
@@ -168,5 +168,5 @@ TEST_CASE("an embedded solid stays on its bed, whatever its springs, and others 
         return both;
     };
     CHECK_NOTHROW(embedded_lattice(two_blocks(0.001), 0.006));
-    CHECK_THROWS_WITH(embedded_lattice(two_blocks(0.02), 0.006), Contains("falls apart"));
+    CHECK_THROWS_WITH(embedded_lattice(two_blocks(0.02), 0.006), Contains("is not connected"));
 }

@@ -23,7 +23,7 @@ Eigen::VectorXd force(const std::string& law, const NodeField& u) {
     return make_spring_law(law)->force_matrix(block(), u) * example_theta(block());
 }
 
-/// From the origin to a point [m].
+/// A spring from the origin to a point [m].
 SpringMesh one_spring(double x, double y) {
     SpringMesh one;
     one.nodes.resize(2, 2);
@@ -33,7 +33,7 @@ SpringMesh one_spring(double x, double y) {
     return one;
 }
 
-/// u = H x, the same gradient everywhere.
+/// u = H x.
 NodeField affine(const Eigen::Matrix2d& H) {
     return block().nodes * H.transpose();
 }
@@ -44,7 +44,7 @@ Eigen::Matrix2d rotation(double angle) {
 
 }  // namespace
 
-TEST_CASE("one spring pulled along its axis by 1 mm at 2 N/m holds 2 mN in every law that is Hooke's") {
+TEST_CASE("a spring of 2 N/m stretched by 1 mm along its axis has a force of 2 mN in every spring law") {
     const SpringMesh one = one_spring(0.03, 0.04);
     NodeField u = NodeField::Zero(2, 2);
     u.row(1) << 0.0006, 0.0008;
@@ -57,7 +57,7 @@ TEST_CASE("one spring pulled along its axis by 1 mm at 2 N/m holds 2 mN in every
     }
 }
 
-TEST_CASE("a push across a spring: isotropic resists it fully, axial not at all, geometric to second order") {
+TEST_CASE("across its axis an isotropic spring resists fully; an axial one not; a geometric one by extension") {
     const SpringMesh one = one_spring(0.05, 0);
     NodeField u = NodeField::Zero(2, 2);
     u(1, 1) = 0.001;
@@ -80,7 +80,7 @@ TEST_CASE("spring forces vanish under rigid translation") {
     for (const std::string& name : spring_laws().names()) CHECK(force(name, u).norm() <= tolerance::rounding * size);
 }
 
-TEST_CASE("springs that turn feel no rotation, however large; the linear laws do") {
+TEST_CASE("geometric springs have no force under rotations of any size; linear laws have one") {
     const double size = force("isotropic", scattered(block(), 0.01)).norm();
     for (double angle : {0.1, 1.0, 3.0}) {
         const NodeField u = affine(rotation(angle) - Eigen::Matrix2d::Identity());
@@ -90,7 +90,7 @@ TEST_CASE("springs that turn feel no rotation, however large; the linear laws do
     }
 }
 
-TEST_CASE("axial springs feel no infinitesimal rotation, isotropic ones do") {
+TEST_CASE("axial springs have no force under an infinitesimal rotation; isotropic ones have one") {
     Eigen::Matrix2d spin;
     spin << 0, -0.01, 0.01, 0;
     const double size = force("isotropic", affine(spin)).norm();
@@ -98,7 +98,7 @@ TEST_CASE("axial springs feel no infinitesimal rotation, isotropic ones do") {
     CHECK(size > 0);
 }
 
-TEST_CASE("springs that turn, turn their force with the tissue") {
+TEST_CASE("forces of geometric springs rotate with the tissue") {
     const NodeField u = scattered(block(), 0.003);
     const Eigen::Matrix2d R = rotation(0.7);
     const NodeField turned = (block().nodes + u) * R.transpose() - block().nodes;
@@ -107,21 +107,21 @@ TEST_CASE("springs that turn, turn their force with the tissue") {
     CHECK((g - as_vector(expected)).norm() <= tolerance::rounding * g.norm() * 100);  // forces are differences of lengths
 }
 
-TEST_CASE("spring forces sum to zero, and their moment about the current nodes of turning springs too") {
+TEST_CASE("spring forces sum to zero; so do moments of axial and of geometric springs") {
     const NodeField u = scattered(block(), 0.003);
     for (const std::string& name : spring_laws().names()) {
         INFO(name);
         const Eigen::VectorXd flat = force(name, u);
         const NodeField f = Eigen::Map<const NodeField>(flat.data(), u.rows(), 2);
         CHECK(f.colwise().sum().norm() <= tolerance::rounding * f.norm());
-        if (name == "isotropic") continue;  // its force across the spring has a moment: its price for stable rows
+        if (name == "isotropic") continue;  // its transverse force has a moment
         const NodeField x = name == "axial" ? block().nodes : NodeField(block().nodes + u);
         const double moment = (x.col(0).cwiseProduct(f.col(1)) - x.col(1).cwiseProduct(f.col(0))).sum();
         CHECK(std::abs(moment) <= tolerance::rounding * f.norm());
     }
 }
 
-TEST_CASE("axial springs and those that turn agree to first order") {
+TEST_CASE("axial and geometric springs agree to first order in displacement") {
     const auto difference = [&](double size) {
         return (force("geometric", scattered(block(), size)) - force("axial", scattered(block(), size))).norm();
     };
@@ -129,7 +129,7 @@ TEST_CASE("axial springs and those that turn agree to first order") {
     CHECK(order == Approx(2).margin(tolerance::order));
 }
 
-TEST_CASE("stiffness is the derivative of force: halving the difference step quarters the error") {
+TEST_CASE("geometric stiffness is the derivative of force: halving the difference step quarters the error") {
     const Eigen::VectorXd theta = example_theta(block());
     const NodeField u = scattered(block(), 0.003), du = scattered(block(), 1.0).rowwise().reverse();
     const auto law = make_spring_law("geometric");
@@ -157,7 +157,7 @@ TEST_CASE("force matrix times theta equals stiffness times u for the linear laws
     CHECK_FALSE(make_spring_law("geometric")->linear_in_displacement());
 }
 
-TEST_CASE("stiffness is symmetric, and at rest not negative along any displacement") {
+TEST_CASE("stiffness is symmetric; at rest it is positive along a scattered displacement") {
     const Eigen::VectorXd theta = example_theta(block());
     for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
@@ -169,7 +169,7 @@ TEST_CASE("stiffness is symmetric, and at rest not negative along any displaceme
     }
 }
 
-TEST_CASE("uniform compression of a lattice loads its springs by the strain they have") {
+TEST_CASE("uniform compression of a lattice loads each spring in proportion to its shortening") {
     // 1 % along x: each spring along x shortens by 1 % of its length, each along y not at all
     const SpringMesh mesh = make_lattice("grid4", 4, 3, 0.1, 0.06);
     NodeField u = NodeField::Zero(mesh.node_count(), 2);
@@ -182,13 +182,13 @@ TEST_CASE("uniform compression of a lattice loads its springs by the strain they
     }
 }
 
-TEST_CASE("a law's name makes that law, and an unknown one is refused with the known ones") {
+TEST_CASE("make_spring_law makes the law of a name and refuses an unknown name with the known ones") {
     for (const std::string& name : spring_laws().names()) CHECK(make_spring_law(name)->name() == name);
     CHECK_THAT(refusal<MismatchError>([] { make_spring_law("elastic"); }),
                Contains("elastic") && Contains("isotropic, axial, geometric"));
 }
 
-TEST_CASE("two nodes of a spring that turns on one spot give finite force and stiffness") {
+TEST_CASE("a geometric spring with coincident nodes has finite force and stiffness") {
     const SpringMesh one = one_spring(0.05, 0);
     NodeField u = NodeField::Zero(2, 2);
     u(1, 0) = -0.05;

@@ -9,7 +9,7 @@
 using namespace tissue;
 using Catch::Matchers::Contains;
 
-TEST_CASE("a spring set is the one of its name, and without a name they are those of all load cases in their order") {
+TEST_CASE("spring_sets finds a set by its name; without a name it returns those of all load cases in order") {
     TissueModel model = haptic_example();
     model.one_set *= 2;
     model.optimum *= 3;
@@ -39,9 +39,9 @@ TEST_CASE("a spring set is the one of its name, and without a name they are thos
     CHECK(sets_of(model, "optimum") == model.optimum);
 }
 
-TEST_CASE("a spring set, or an optimiser, that is not in the model is refused with those that are") {
+TEST_CASE("an unknown spring set or optimiser is refused with a list of the known ones") {
     const TissueModel model = haptic_example();
     CHECK_THAT(refusal<MismatchError>([&] { spring_sets(model, "", "best"); }),
-               Contains("spring set 'best' is not in the model; it has one_set, heuristic_a, heuristic_b and one a load case, as " + model.case_names[0]));
+               Contains("spring set 'best' is not in the model; it has one_set, heuristic_a, heuristic_b and one per load case, such as " + model.case_names[0]));
     CHECK_THAT(refusal<MismatchError>([&] { sets_of(model, "luck"); }), Contains("spring sets 'luck' are not in the model; it has ") && Contains("optimum"));
 }

@@ -25,14 +25,14 @@ Eigen::VectorXd some_constants(const TissueEnergy& energy) {
     return c;
 }
 
-/// Largest difference over the largest entry.
+/// Largest difference over the largest entry of b.
 double off(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
     return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
 }
 
 }  // namespace
 
-TEST_CASE("a tissue at rest stores no energy and asks for no force") {
+TEST_CASE("tissue at rest stores no energy and exerts no force") {
     for (const SpringMesh& mesh : meshes()) {
         const TissueEnergy energy(mesh, true);
         const Eigen::VectorXd c = some_constants(energy);
@@ -43,13 +43,13 @@ TEST_CASE("a tissue at rest stores no energy and asks for no force") {
     }
 }
 
-TEST_CASE("one square squeezed to half its height stores what springs and area say") {
+TEST_CASE("a square cell at half its height stores the energies of its springs and of its change of area") {
     const SpringMesh mesh = make_lattice("grid8", 1, 1, 0.1, 0.1);
     const TissueEnergy energy(mesh, false);
     REQUIRE(energy.constant_count() == 7);
     NodeField u = NodeField::Zero(4, 2);
     u(2, 1) = u(3, 1) = -0.05;
-    // two upright springs shorter by 0.05, two diagonals from 0.1 sqrt 2 to 0.1 sqrt 1.25, half the area
+    // two vertical springs shorter by 0.05, two diagonals from 0.1 sqrt 2 to 0.1 sqrt 1.25, half the area
     const double diagonal = 0.1 * (std::sqrt(1.25) - std::sqrt(2.0));
     const Eigen::VectorXd springs = (Eigen::VectorXd(7) << 1, 1, 1, 1, 1, 1, 0).finished();
     CHECK(energy.energy(springs, u) == Approx(0.05 * 0.05 + diagonal * diagonal).epsilon(tolerance::rounding));
@@ -58,7 +58,7 @@ TEST_CASE("one square squeezed to half its height stores what springs and area s
     CHECK(energy.smallest_ratio(u) == Approx(0.5).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("force is the derivative of the energy, tangent of the force, and both stay so when cells turn inside out") {
+TEST_CASE("force is the derivative of the energy and tangent that of the force; also with inverted cells") {
     for (const SpringMesh& mesh : meshes())
         for (double size : {0.003, 0.05}) {
             const TissueEnergy energy(mesh, true, size < 0.01 ? SpringCurve::mooney_rivlin(0.5, 2, 0.9, 1.05) : SpringCurve());
@@ -94,7 +94,7 @@ TEST_CASE("energy and force are linear in the constants") {
     }
 }
 
-TEST_CASE("no force under rigid translation and rotation, however large") {
+TEST_CASE("forces of springs and cells vanish under rigid translation and rotation of any size") {
     for (const SpringMesh& mesh : meshes()) {
         const TissueEnergy energy(mesh, true);
         const Eigen::VectorXd c = some_constants(energy);
@@ -107,7 +107,7 @@ TEST_CASE("no force under rigid translation and rotation, however large") {
     }
 }
 
-TEST_CASE("a tissue that was bent feels the same when it is also turned: its forces turn with it") {
+TEST_CASE("a rotation of deformed tissue keeps its energy and rotates its forces") {
     for (const SpringMesh& mesh : meshes()) {
         const TissueEnergy energy(mesh, true);
         const Eigen::VectorXd c = some_constants(energy);
@@ -119,7 +119,7 @@ TEST_CASE("a tissue that was bent feels the same when it is also turned: its for
     }
 }
 
-TEST_CASE("a triangle that turns inside out is seen, though what lies around the node that left it has its area still") {
+TEST_CASE("smallest_ratio detects an inverted triangle also where the nodal area is unchanged") {
     const SpringMesh mesh = edge_mesh(disc(12));
     const TissueEnergy energy(mesh, false);
     int centre = 0;
@@ -127,14 +127,14 @@ TEST_CASE("a triangle that turns inside out is seen, though what lies around the
     while (std::find(loop.begin(), loop.end(), centre) != loop.end()) ++centre;
     NodeField u = NodeField::Zero(mesh.node_count(), 2);
     const Eigen::RowVector2d rim = (mesh.nodes.row(mesh.loop()[0]) + mesh.nodes.row(mesh.loop()[1])) / 2;
-    u.row(centre) = 1.01 * (rim - mesh.nodes.row(centre));  // just across that side
+    u.row(centre) = 1.01 * (rim - mesh.nodes.row(centre));  // just beyond that side
     CHECK(energy.smallest_ratio(u) == Approx(-0.01).epsilon(1e-6));
     Eigen::VectorXd star = Eigen::VectorXd::Zero(energy.constant_count());
     star[mesh.spring_count() + centre] = 1;
     CHECK(energy.energy(star, u) <= tolerance::rounding);
 }
 
-TEST_CASE("cells keep their area, not their shape: a shear that keeps it asks them for nothing") {
+TEST_CASE("cells exert no force under a shear or a stretch that keeps their area") {
     const SpringMesh mesh = make_lattice("grid8", 4, 3, 0.1, 0.06);
     const CellAreas cells(mesh);
     NodeField sheared = NodeField::Zero(mesh.node_count(), 2), stretched = sheared;
@@ -149,7 +149,7 @@ TEST_CASE("cells keep their area, not their shape: a shear that keeps it asks th
         }
 }
 
-TEST_CASE("regions of an incompressible tissue keep their area, and feel their outline alone") {
+TEST_CASE("the energy of a region depends on the area in its outline and not on inner nodes") {
     const SpringMesh mesh = make_lattice("grid8", 4, 3, 0.1, 0.06);
     const TissueEnergy energy(mesh, true);
     const int first = TissueEnergy(mesh, false).constant_count();
@@ -164,15 +164,16 @@ TEST_CASE("regions of an incompressible tissue keep their area, and feel their o
     CHECK(energy.energy(whole, swollen) == Approx(5 * 0.006 * 0.21 * 0.21 / 2).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("springs and cells together have the moduli of their derivation: Cauchy's relation, and what cells add") {
-    // one inner cell of a large lattice under uniform strain; Van Gelder's springs of E2 = 1: axes 1, diagonals 1/2
+TEST_CASE("springs of E2 = 1 have lambda = mu = 1/2 and cells add their constant to lambda") {
+    // whole lattice under uniform strain; Van Gelder's springs of E2 = 1: axes 1, diagonals 1/2, boundary half of that
     const SpringMesh mesh = make_lattice("grid8", 6, 6, 0.06, 0.06);
     const TissueEnergy energy(mesh, false);
     const double cell = 0.7;
     Eigen::VectorXd c(energy.constant_count());
     for (int s = 0; s < mesh.spring_count(); ++s) c[s] = mesh.incident_measure[s] / (mesh.rest_length(s) * mesh.rest_length(s));
     c.tail(36).setConstant(cell);
-    const auto density = [&](double xx, double yy, double xy) {  // of energy, for a small strain
+    // energy density of a small strain, over the strain's square
+    const auto density = [&](double xx, double yy, double xy) {
         const double small = 1e-5;
         NodeField u(mesh.node_count(), 2);
         u.col(0) = small * (xx * mesh.nodes.col(0) + xy * mesh.nodes.col(1));
@@ -186,7 +187,7 @@ TEST_CASE("springs and cells together have the moduli of their derivation: Cauch
     CHECK(density(0, 0, 1) == Approx(2 * mu).epsilon(1e-4));
 }
 
-TEST_CASE("cells need a plane mesh whose cells have an area") {
+TEST_CASE("CellAreas refuses a mesh in space and clockwise cells") {
     SpringMesh mesh = make_lattice("grid8", 2, 2, 0.1, 0.1);
     SpringMesh solid = mesh;
     solid.nodes = NodeField::Zero(9, 3);

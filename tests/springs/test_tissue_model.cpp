@@ -30,7 +30,7 @@ const TrainedModel& example() {
 
 }  // namespace
 
-TEST_CASE("a model comes back from HDF5 with the same bits") {
+TEST_CASE("a model is read back from HDF5 bit by bit") {
     const TemporaryFolder folder;
     write_model(folder.file("model.h5"), example(), provenance);
     const TissueModel &a = example(), b = read_model(folder.file("model.h5"));
@@ -62,7 +62,7 @@ TEST_CASE("a model comes back from HDF5 with the same bits") {
     }
 }
 
-TEST_CASE("every dataset of model.h5 says units and description: stiffness in N/m, loss in N, mass in kg") {
+TEST_CASE("every dataset of model.h5 has units and a description: stiffness in N/m, loss in N, mass in kg") {
     const TemporaryFolder folder;
     write_trained_model(folder.file("model.h5"), example(), provenance);
     const Hdf5Reader in(folder.file("model.h5"), "model");
@@ -80,7 +80,7 @@ TEST_CASE("every dataset of model.h5 says units and description: stiffness in N/
     }
 }
 
-TEST_CASE("a model carries the force of its cases; one of an earlier program that does not is read all the same") {
+TEST_CASE("a model contains the contact forces of its load cases; a model without them is read too") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     write_model(file, example(), provenance);
@@ -100,7 +100,7 @@ TEST_CASE("a model carries the force of its cases; one of an earlier program tha
     CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("/cases/contact_force"));
 }
 
-TEST_CASE("a model that lacks a dataset is refused with file and dataset") {
+TEST_CASE("a model without a required dataset is refused with file and dataset") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     for (const std::string name : {"/mesh/springs", "/node_mass", "/heuristic_a", "/cases/names", "/trained/spsa/theta",
@@ -111,7 +111,7 @@ TEST_CASE("a model that lacks a dataset is refused with file and dataset") {
     }
 }
 
-TEST_CASE("a model whose parts do not fit together is refused with file and place") {
+TEST_CASE("a model with a dataset of the wrong size is refused with its file") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     for (const std::string name :
@@ -125,7 +125,7 @@ TEST_CASE("a model whose parts do not fit together is refused with file and plac
     }
 }
 
-TEST_CASE("a model of pushes longer than its tissue is refused") {
+TEST_CASE("a model with a tool displacement above the size of its tissue is refused") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     TissueModel model = example();
@@ -138,7 +138,7 @@ TEST_CASE("a model of pushes longer than its tissue is refused") {
     CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("model.h5: /cases/magnitude") && Contains("8.3e+04 mm"));
 }
 
-TEST_CASE("a model that names a node it does not have is refused") {
+TEST_CASE("a model with a node number out of range is refused") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     for (const auto& [name, bad] : std::vector<std::pair<std::string, double>>{
@@ -149,7 +149,7 @@ TEST_CASE("a model that names a node it does not have is refused") {
     }
 }
 
-TEST_CASE("a model file that is missing, or that holds cases, is refused") {
+TEST_CASE("a missing model file and a file of cases are refused") {
     const TemporaryFolder folder;
     CHECK_THROWS_AS(read_model(folder.file("none.h5")), FileError);
     {

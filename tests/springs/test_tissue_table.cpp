@@ -16,7 +16,7 @@
 #include "haptic/simulation.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/free_surface.h"
-#include "train/books_table.h"
+#include "train/diagnostics_table.h"
 #include "version.h"
 
 using namespace tissue;
@@ -25,7 +25,7 @@ using Catch::Matchers::StartsWith;
 
 namespace {
 
-/// A whole model.h5, once.
+/// A complete model.h5, written once.
 const std::string& example_model_file() {
     static const TemporaryFolder folder;
     static const std::string file = [] {
@@ -38,7 +38,7 @@ const std::string& example_model_file() {
     return file;
 }
 
-/// What comes of playing it: an answer or a refusal, and no force that is not finite.
+/// Simulates 50 ticks with the model. It is refused in one line, or every force is finite.
 void play(const TissueModel& tissue) {
     try {
         const HapticModel model(tissue, {});
@@ -80,7 +80,7 @@ void walk(const std::vector<const DatasetTable*>& tables, bool books) {
 
 }  // namespace
 
-TEST_CASE("every dataset of a model.h5 has its rule, and every rule its dataset") {
+TEST_CASE("every dataset of a model.h5 has one rule and every rule has a dataset") {
     const auto tissue = datasets_of(example_model_file(), tissue_table()), sets = datasets_of(example_model_file(), sets_table()),
                books = datasets_of(example_model_file(), books_table());
     CHECK(tissue.size() + sets.size() + books.size() == Hdf5Reader(example_model_file(), "model").datasets().size());
@@ -89,15 +89,15 @@ TEST_CASE("every dataset of a model.h5 has its rule, and every rule its dataset"
             CHECK(std::any_of(found->begin(), found->end(), [&](const auto& f) { return f.second == &rule; }));
 }
 
-TEST_CASE("what plays, changed in any one dataset in any way, is refused in one line or plays finite forces") {
+TEST_CASE("a model with any one dataset changed is refused in one line or gives finite forces") {
     walk({&tissue_table(), &sets_table()}, false);
 }
 
-TEST_CASE("training's books, changed in any one dataset in any way, are refused in one line") {
+TEST_CASE("training records with any one dataset made invalid are refused in one line") {
     walk({&books_table()}, true);
 }
 
-TEST_CASE("a boundary that runs clockwise, or leaves the outline, is refused by name") {
+TEST_CASE("a clockwise boundary and one that differs from the outline are refused by name") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5"), &whole = example_model_file();
     const auto said = [&](const std::string& dataset, const std::vector<double>& values) {
@@ -112,15 +112,15 @@ TEST_CASE("a boundary that runs clockwise, or leaves the outline, is refused by 
     };
     const Eigen::VectorXd boundary = Hdf5Reader(whole, "model").vector("/mesh/boundary"), back = boundary.reverse();
     CHECK(said("/mesh/boundary", {boundary.begin(), boundary.end()}) == "read");
-    CHECK_THAT(said("/mesh/boundary", {back.begin(), back.end()}), Contains("/mesh/boundary: runs clockwise"));
+    CHECK_THAT(said("/mesh/boundary", {back.begin(), back.end()}), Contains("/mesh/boundary: is clockwise"));
     std::vector<double> cut(boundary.begin(), boundary.end());
     cut.erase(cut.begin() + 3);
     CHECK_THAT(said("/mesh/boundary", cut), Contains("/mesh/boundary: is not the outline"));
     CHECK_THAT(said("/mesh/fixed", {0, 4}), Contains("/mesh/fixed: "));
-    CHECK_THAT(said("/one_set", {1, 2, 3}), Contains("/one_set: is 3, wanted S = 72"));
+    CHECK_THAT(said("/one_set", {1, 2, 3}), Contains("/one_set: is 3, must be S = 72"));
 }
 
-TEST_CASE("attributes that no model has are refused: an unknown law, a modulus that is not positive") {
+TEST_CASE("an unknown spring law and a modulus that is not positive and finite are refused") {
     const TemporaryFolder folder;
     TissueModel model = read_model(example_model_file());
     const auto said = [&] {
@@ -142,7 +142,7 @@ TEST_CASE("attributes that no model has are refused: an unknown law, a modulus t
     }
 }
 
-TEST_CASE("a model of a solid in an embedded lattice comes back from its file in a format of its own, and parts that do not fit are refused by name", "[embedded]") {
+TEST_CASE("a model in an embedded lattice is read back unchanged; inconsistent datasets are refused by name", "[embedded]") {
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.h5"), file = folder.file("model.h5");
     TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
@@ -159,13 +159,13 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
     CHECK(is.fraction == was.fraction);
     CHECK(is.centroid == was.centroid);
     CHECK(is.spacing_m == was.spacing_m);
-    CHECK(back.energy_law->constants == model.energy_law->constants);
+    CHECK(back.energy_model->constants == model.energy_model->constants);
 
-    // its springs' curve
-    model.energy_law->curve = SpringCurve::mooney_rivlin(0.31, 3, 0.7, 1.2);
+    // curve of the springs
+    model.energy_model->curve = SpringCurve::mooney_rivlin(0.31, 3, 0.7, 1.2);
     write_model(file, model, {"tissuectl test", 11, {}});
-    CHECK(read_model(file).energy_law->curve == model.energy_law->curve);
-    CHECK_FALSE(read_model(file).energy_law->curve == SpringCurve::mooney_rivlin(0.31, 3));
+    CHECK(read_model(file).energy_model->curve == model.energy_model->curve);
+    CHECK_FALSE(read_model(file).energy_model->curve == SpringCurve::mooney_rivlin(0.31, 3));
     const std::vector<std::pair<std::string, double>> wrong = {{"c2_share", 1.5}, {"c2_share", std::nan("")}, {"straight_below", 0}, {"straight_below", 1}, {"straight_above", 0.9}, {"straight_above", 1e9}};
     for (const auto& [name, value] : wrong) {
         write_model(file, model, {"tissuectl test", 11, {}});
@@ -176,9 +176,9 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
     set_attribute(file, "/law", "c2_share", 1);
     set_attribute(file, "/law", "straight_above", 2);
     CHECK_THAT(refusal<FileError>([&] { read_model(file); }), Contains("soften above 2"));
-    model.energy_law->curve = SpringCurve();
+    model.energy_model->curve = SpringCurve();
     write_model(file, model, {"tissuectl test", 11, {}});
-    CHECK(read_model(file).energy_law->curve.hookean());
+    CHECK(read_model(file).energy_model->curve.hookean());
     CHECK(Hdf5Reader(file, "model").number_attribute("/", "format_version") == embedded_format_version);
 
     const auto said = [&](const auto& change) {
@@ -189,39 +189,39 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
     };
     const auto said_of = [&](const NodeField& correction, double least, double most) {
         TissueModel changed = model;
-        changed.energy_law->disc.correction.value = correction;
-        changed.energy_law->disc.curved_range = {least, most};
+        changed.energy_model->disc.correction.value = correction;
+        changed.energy_model->disc.curved_range = {least, most};
         write_model(file, changed, {"tissuectl test", 11, {}});
         return refusal<FileError>([&] { read_model(file); });
     };
     const auto facets = model.mesh.facets.rows();
-    CHECK_THAT(said_of(NodeField::Zero(facets, 6), 2, 1.5), Contains("/law/curved_range: has a least above its most"));
+    CHECK_THAT(said_of(NodeField::Zero(facets, 6), 2, 1.5), Contains("/law/curved_range: must be [smallest, largest]"));
     TissueModel of_one_place = model;
-    of_one_place.energy_law->disc = {{}, {0.2, 0.2}, {NodeField::Random(facets, 6)}};
+    of_one_place.energy_model->disc = {{}, {0.2, 0.2}, {NodeField::Random(facets, 6)}};
     write_model(file, of_one_place, {"tissuectl test", 11, {}});
-    CHECK(read_model(file).energy_law->disc.curved_range == of_one_place.energy_law->disc.curved_range);
-    CHECK(read_model(file).energy_law->disc.correction.value == of_one_place.energy_law->disc.correction.value);
-    CHECK_THAT(said_of(NodeField::Zero(facets - 1, 6), 0, 1), Contains(fmt::format("/law/lattice_correction: has {} rows, wanted one for each of {} facets", facets - 1, facets)));
-    CHECK_THAT(said_of(NodeField::Zero(facets, 7), 0, 1), Contains("/law/lattice_correction: has 7 columns, wanted (p + 1)(p + 2) / 2"));
+    CHECK(read_model(file).energy_model->disc.curved_range == of_one_place.energy_model->disc.curved_range);
+    CHECK(read_model(file).energy_model->disc.correction.value == of_one_place.energy_model->disc.correction.value);
+    CHECK_THAT(said_of(NodeField::Zero(facets - 1, 6), 0, 1), Contains(fmt::format("/law/lattice_correction: has {} rows, must have one for each of {} facets", facets - 1, facets)));
+    CHECK_THAT(said_of(NodeField::Zero(facets, 7), 0, 1), Contains("/law/lattice_correction: has 7 columns, must have (p + 1)(p + 2) / 2"));
     using Mass = Eigen::VectorXd;
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 1.5; }), Contains("/mesh/lattice/fraction: is above 1"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.fraction[0] = 0; }), Contains("/mesh/lattice/fraction: "));
-    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.spacing_m /= 1000; }), Contains("/mesh/lattice/cubes: cubes of 0.011 mm stand in a box of"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.spacing_m /= 1000; }), Contains("/mesh/lattice/cubes: cubes of 0.011 mm are in a box of"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.spacing_m *= 1.5; }), Contains("/mesh/lattice/cubes: corner "));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.centroid(0, 0) = 2; }), Contains("/mesh/lattice/centroid: is above 1"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.weight(0, 0) = 7; }), Contains("/mesh/lattice/weight: does not sum to 1"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.cubes(0, 0) = 0; }), Contains("/mesh/lattice/cubes: names node 0, which is the solid's own"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.corner(0, 0) = 1; }), Contains("/mesh/lattice/corner: names node 1, which is the solid's own"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e.corner(0, 0) = 1000000; }), Contains("/mesh/lattice/corner"));
-    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { for (int k = 0; k < 8; k += 2) std::swap(e.cubes(0, k), e.cubes(0, k + 1)); }), Contains("/mesh/lattice/cubes: cell 0 is inside out"));
-    CHECK_THAT(said([](Embedding&, Mass& mass, SpringMesh&) { mass[0] = 1; }), Contains("/node_mass: of node 0 is 1; it is 0 of an embedded"));
+    CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { for (int k = 0; k < 8; k += 2) std::swap(e.cubes(0, k), e.cubes(0, k + 1)); }), Contains("/mesh/lattice/cubes: cell 0 is inverted"));
+    CHECK_THAT(said([](Embedding&, Mass& mass, SpringMesh&) { mass[0] = 1; }), Contains("/node_mass: of node 0 is 1; it must be 0 for an embedded"));
     CHECK_THAT(said([](Embedding&, Mass& mass, SpringMesh&) { mass[mass.size() - 1] = 0; }), Contains("/node_mass: of node "));
     CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.node_measure[mesh.node_count() - 1] = 0; }), Contains("/mesh/node_volume: of node "));
     CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.fixed.push_back(mesh.node_count() - 1); }), Contains("/mesh/fixed: names node "));
     CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.topology = "edges"; }), Contains("do not belong together"));
     CHECK_THAT(said([](Embedding& e, Mass&, SpringMesh&) { e = {}; }), Contains("do not belong together"));
-    CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.topology = "edges3"; }), Contains("attribute 'topology' is 'edges3', which this program does not have; train the study again"));
-    // a node of the lattice that no cube has could stand anywhere
+    CHECK_THAT(said([](Embedding&, Mass&, SpringMesh& mesh) { mesh.topology = "edges3"; }), Contains("attribute 'topology' is 'edges3', which is not known; train the study again"));
+    // a lattice node without a cube
     CHECK_THAT(said([](Embedding&, Mass& mass, SpringMesh& mesh) {
                    const Eigen::Index N = mesh.node_count();
                    mesh.nodes.conservativeResize(N + 1, 3);
@@ -231,5 +231,5 @@ TEST_CASE("a model of a solid in an embedded lattice comes back from its file in
                        (*of)[N] = 1;
                    }
                }),
-               Contains("/mesh/lattice/cubes: leave out node "));
+               Contains("/mesh/lattice/cubes: do not use node "));
 }

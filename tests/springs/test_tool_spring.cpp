@@ -22,10 +22,10 @@ namespace {
 
 SpringMesh solid(int x, int y, int z) { return embedded_block(Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
 
-/// Of a disc as block3 learns one: hardens, and depends on the place.
-PatchLaw disc_law() {
-    PatchLaw law;
-    law.log_N_m.setZero(PatchLaw::disc_rows, 4);
+/// Contact parameters of a disc similar to those of block3: it hardens, and its stiffness depends on the place.
+ContactParameters disc_law() {
+    ContactParameters law;
+    law.log_N_m.setZero(ContactParameters::disc_rows, 4);
     law.log_N_m.col(0) << 3.2, 2.7, 1.1, 0.6, 4, 5, 7;
     law.log_N_m.col(1) << 0.1, -0.2, 0.1, 0.05, 0.1, 0, 0.2;
     law.log_N_m.col(2) << 0.5, 0.3, 0.2, 0.4, 0, 0, 0;
@@ -33,8 +33,8 @@ PatchLaw disc_law() {
     return law;
 }
 
-PatchLaw plane_law() {
-    PatchLaw law;
+ContactParameters plane_law() {
+    ContactParameters law;
     law.log_N_m.col(0) << 3.2, 2.7, 1.1, 0.6;
     law.log_N_m.col(1) << 0.1, -0.2, 0.1, 0.05;
     return law;
@@ -63,30 +63,30 @@ Point some_push(Draw& draw, int dimension) {
     return push;
 }
 
-/// The tool's energy, hand and forces are those of the contact that trains.
+/// Energy, tool force and nodal forces are those of ContactSpring, the contact in training.
 void check_same(const ToolSpring& tool, const ContactSpring& spring, const NodeColumns& u, const Point& push) {
     const ContactSpring::Load load = spring.load(push, spring.gather(u));
     CHECK(tool.energy_J(push, u) == Approx(load.energy_J).epsilon(tolerance::rounding));
     NodeColumns f = NodeColumns::Zero(u.rows(), u.cols());
     const Point hand = tool.put_on(push, u, f);
-    const double size = load.hand_N.norm() + load.node_N.norm();
-    CHECK((hand - load.hand_N).norm() < tolerance::rounding * size);
-    CHECK((tool.hand_N(push, u) - hand).norm() < tolerance::rounding * size);
+    const double size = load.tool_force_N.norm() + load.node_N.norm();
+    CHECK((hand - load.tool_force_N).norm() < tolerance::rounding * size);
+    CHECK((tool.tool_force_N(push, u) - hand).norm() < tolerance::rounding * size);
     CHECK((spring.gather(f) - load.node_N).norm() < tolerance::rounding * size);
-    CHECK(std::abs(f.norm() - load.node_N.norm()) < tolerance::rounding * size);  // and none on other nodes
+    CHECK(std::abs(f.norm() - load.node_N.norm()) < tolerance::rounding * size);  // no force on other nodes
 }
 
-/// Hand and stiffness are derivatives of the energy, forces on nodes too; the push of a force is where it is that force.
+/// Tool force, stiffness and the largest nodal force agree with finite differences of the energy.
 void check_derivatives(const ToolSpring& tool, const NodeColumns& u, const Point& push) {
     const double h = 1e-7;
-    const Point hand = tool.hand_N(push, u);
+    const Point hand = tool.tool_force_N(push, u);
     const auto stiffness = tool.stiffness_N_m(push, u);
     for (Eigen::Index axis = 0; axis < push.size(); ++axis) {
         Point more = push, less = push;
         more[axis] += h;
         less[axis] -= h;
         CHECK((tool.energy_J(more, u) - tool.energy_J(less, u)) / (2 * h) == Approx(hand[axis]).margin(1e-5 * hand.norm()));
-        CHECK(((tool.hand_N(more, u) - tool.hand_N(less, u)) / (2 * h) - stiffness.col(axis)).norm() < 1e-5 * stiffness.norm());
+        CHECK(((tool.tool_force_N(more, u) - tool.tool_force_N(less, u)) / (2 * h) - stiffness.col(axis)).norm() < 1e-5 * stiffness.norm());
     }
     NodeColumns f = NodeColumns::Zero(u.rows(), u.cols());
     tool.put_on(push, u, f);
@@ -104,9 +104,10 @@ DiscTables some_tables(const SpringMesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("a disc's contact in the tick is the one that trains: same energy, same force of the hand, same forces on nodes", "[solid][embedded]") {
-    for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) {
-        const PatchLaw law = disc_law();
+TEST_CASE("a disc's contact in the tick has the energy and forces of the contact in training", "[solid][embedded]") {
+    for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) for (const ContactCurve curve : {ContactCurve::hardens, ContactCurve::compression}) {
+        ContactParameters law = disc_law();
+        law.curve = curve;
         DiscContact kernel(mesh, 0.007, some_tables(mesh));
         kernel.scale(Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.2, 0.3));
         const FreeSurface surface(mesh);
@@ -131,7 +132,7 @@ TEST_CASE("a disc's contact in the tick is the one that trains: same energy, sam
     }
 }
 
-TEST_CASE("a patch's contact in the tick is the one that trains", "[tool]") {
+TEST_CASE("a patch's contact in the tick has the energy and forces of the contact in training", "[tool]") {
     const SpringMesh mesh = make_lattice("grid8", 10, 10, 0.1, 0.1);
     const ContactSurface kernel(mesh);
     const FreeSurface surface(mesh);
@@ -150,7 +151,7 @@ TEST_CASE("a patch's contact in the tick is the one that trains", "[tool]") {
     }
 }
 
-TEST_CASE("the push of a force is where the tool's force is that one, hardened or not", "[tool]") {
+TEST_CASE("push_at returns the tool displacement that has the given force", "[tool]") {
     const SpringMesh mesh = solid(6, 5, 3);
     const DiscContact kernel(mesh, 0.007);
     Draw draw(3);
@@ -158,14 +159,14 @@ TEST_CASE("the push of a force is where the tool's force is that one, hardened o
     for (int i = 0; i < 100; ++i) {
         kernel.tool_at(draw.below(static_cast<int>(mesh.facets.rows())), some_weight(draw, 3), 0, disc_law(), tool);
         const NodeColumns u = some_displacement(mesh, draw);
-        // pushed in: there the coupling stiffens, and the force has one push
+        // indented: there the coupling stiffens, and one displacement has the force
         const Point push = 5e-3 * (tool.inward() + 0.2 * Eigen::Vector3d(some_push(draw, 3) / 6e-3));
-        const Point hand = tool.hand_N(push, u);
-        CHECK((tool.hand_N(tool.push_at(hand, u), u) - hand).norm() < 1e-9 * hand.norm());
+        const Point hand = tool.tool_force_N(push, u);
+        CHECK((tool.tool_force_N(tool.push_at(hand, u), u) - hand).norm() < 1e-9 * hand.norm());
     }
 }
 
-TEST_CASE("a tool on a held facet meets a wall as stiff as the contact nearest to it, that moves no node", "[solid]") {
+TEST_CASE("on a fixed facet the contact is a wall as stiff as the nearest free contact and loads no node", "[solid]") {
     const SpringMesh mesh = solid(6, 5, 3);
     const DiscContact kernel(mesh, 0.007);
     const FreeSurface surface(mesh);
@@ -184,7 +185,7 @@ TEST_CASE("a tool on a held facet meets a wall as stiff as the contact nearest t
         const double k = tool.stiffness_N_m(Point::Zero(3), u)(2, 2);
         CHECK(k > 10);
         CHECK(k < 1000);
-        // of all that the contact nearest to it holds, while no node gives way
+        // normal stiffness of all rows of the nearest contact while no node moves
         Point middle = Point::Zero(3);
         for (int node : mesh.facets.row(facet)) middle += mesh.nodes.row(node).transpose() / 3;
         const FreeSurface::Place place = surface.nearest(middle);
@@ -195,9 +196,10 @@ TEST_CASE("a tool on a held facet meets a wall as stiff as the contact nearest t
     CHECK(held == 60);
 }
 
-TEST_CASE("a contact of the tick is made and used without allocation", "[solid][embedded]") {
-    for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) {
-        const PatchLaw law = disc_law();
+TEST_CASE("a contact in the tick is made and evaluated without allocation", "[solid][embedded]") {
+    for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) for (const ContactCurve curve : {ContactCurve::hardens, ContactCurve::compression}) {
+        ContactParameters law = disc_law();
+        law.curve = curve;
         const DiscContact kernel(mesh, 0.007, some_tables(mesh));
         const FreeSurface surface(mesh);
         ToolSpring tool;
@@ -216,7 +218,7 @@ TEST_CASE("a contact of the tick is made and used without allocation", "[solid][
     }
 }
 
-TEST_CASE("a tool that may show so much force shows no more, stays behind, and is as convex as before", "[tool][solid]") {
+TEST_CASE("show_at_most limits the tool force; the limited energy stays convex and consistent", "[tool][solid]") {
     for (const SpringMesh& mesh : {make_lattice("grid8", 10, 10, 0.1, 0.1), solid(6, 5, 3)}) {
         const int dimension = mesh.dimension();
         const std::unique_ptr<ContactKernel> kernel = dimension == 2 ? std::unique_ptr<ContactKernel>(new ContactSurface(mesh)) : std::make_unique<DiscContact>(mesh, 0.007);
@@ -229,12 +231,13 @@ TEST_CASE("a tool that may show so much force shows no more, stays behind, and i
             if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
             kernel->tool_at(facet, some_weight(draw, dimension), 0, dimension == 2 ? plane_law() : disc_law(), tool);
             const NodeColumns u = 0.1 * some_displacement(mesh, draw);
-            const auto some_inward = [&](double size_m) { return Point(size_m * (tool.inward() + some_push(draw, dimension) / 3e-2)); };  // there it is convex
+            // the energy is convex there
+            const auto some_inward = [&](double size_m) { return Point(size_m * (tool.inward() + some_push(draw, dimension) / 3e-2)); };
             tool.show_at_most(std::numeric_limits<double>::infinity());
-            const Point push = some_inward(5e-3), whole = tool.hand_N(push, u);
+            const Point push = some_inward(5e-3), whole = tool.tool_force_N(push, u);
             const double before_J = tool.energy_J(push, u), most = draw(0.3, 1.3) * whole.norm();
             tool.show_at_most(most);
-            const Point shown = tool.hand_N(push, u);
+            const Point shown = tool.tool_force_N(push, u);
             INFO(dimension << " axes, " << i << ": " << whole.norm() << " N, at most " << most);
             if (most >= whole.norm()) {
                 CHECK(shown == whole);
@@ -247,9 +250,9 @@ TEST_CASE("a tool that may show so much force shows no more, stays behind, and i
             check_derivatives(tool, u, push);
             NodeColumns f = NodeColumns::Zero(u.rows(), u.cols());
             CHECK((tool.put_on(push, u, f) - shown).norm() < 1e-9 * most);
-            for (int k = 0; k < 5; ++k) {  // the force of a convex energy never falls along its way
+            for (int k = 0; k < 5; ++k) {  // the force of a convex energy is monotone along a displacement
                 const Point other = some_inward(draw(3e-3, 7e-3));
-                CHECK((tool.hand_N(other, u) - shown).dot(other - push) > -1e-5 * most * (other - push).norm());
+                CHECK((tool.tool_force_N(other, u) - shown).dot(other - push) > -1e-5 * most * (other - push).norm());
             }
         }
         CHECK(held_back > 50);

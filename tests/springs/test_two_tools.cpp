@@ -8,19 +8,19 @@
 #include "mesh/topology.h"
 #include "springs/contact_errors.h"
 #include "springs/law_kernel.h"
-#include "springs/law_press.h"
-#include "springs/press.h"
+#include "springs/indentation_solver.h"
+#include "springs/equilibrium_solver.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;
 
 namespace {
 
-/// A block of 240 x 80 x 40 mm in cubes of 10 mm, of one stiffness, under discs of 7 mm.
+/// A homogeneous block of 240 x 80 x 40 mm in cubes of 10 mm, under discs of 7 mm.
 const TissueModel& block() {
     static const TissueModel model = [] {
         TissueModel m = solid_law_example(embedded_block(Lattice{{24, 8, 4}, {0.24, 0.08, 0.04}}));
-        for (Eigen::Index e = 0; e < m.energy_law->constants.size(); ++e) m.energy_law->constants[e] /= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
+        for (Eigen::Index e = 0; e < m.energy_model->constants.size(); ++e) m.energy_model->constants[e] /= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
         return m;
     }();
     return model;
@@ -28,36 +28,36 @@ const TissueModel& block() {
 
 Point place(double x, double y) { return Eigen::Vector3d(x, y, 0.04); }
 
-/// The solver itself, for energies and derivatives.
+/// The solver, for energies and derivatives.
 struct Pressed {
-    Pressed() : law(*block().energy_law), energy(block().mesh, law), kernel(make_contact_kernel(block().mesh, law)), solver(energy, *kernel) {}
-    PressState at(const std::vector<ToolPush>& tools, const PressState* from = nullptr) {
+    Pressed() : law(*block().energy_model), energy(block().mesh, law), kernel(make_contact_kernel(block().mesh, law)), solver(energy, *kernel) {}
+    EquilibriumState at(const std::vector<ToolPush>& tools, const EquilibriumState* from = nullptr) {
         std::vector<PressedTool> pressed;
         for (const ToolPush& tool : tools) pressed.push_back({ContactSpring(kernel->rows_at(tool.contact_m), law.patch), tool.push_m});
         return solver.press(law.constants, pressed, from);
     }
 
-    LawModel law;
+    EnergyModel law;
     TissueEnergy energy;
     std::unique_ptr<ContactKernel> kernel;
-    PressSolver solver;
+    EquilibriumSolver solver;
 };
 
-/// Two tools 25 mm apart, tilted each another way.
+/// Two tools 25 mm apart, displaced in different directions.
 std::vector<ToolPush> two() {
     return {{place(0.105, 0.042), Eigen::Vector3d(1e-3, -5e-4, -6e-3)}, {place(0.128, 0.033), Eigen::Vector3d(-5e-4, 2e-3, -4e-3)}};
 }
 
 }  // namespace
 
-TEST_CASE("two tools far apart have each the force of one alone, and two near ones less than that", "[solid][two_tools]") {
-    const LawPress press(block());
+TEST_CASE("two distant tools have the forces of single tools and two near tools have smaller forces", "[solid][two_tools]") {
+    const IndentationSolver press(block());
     const Point down = Eigen::Vector3d(0, 0, -0.006), aside = Eigen::Vector3d(0.002, 0.001, -0.004);
     const ToolPush first{place(0.043, 0.041), down}, far{place(0.203, 0.038), aside}, near{place(0.061, 0.038), down};
     const Eigen::VectorXd alone = press.at(first.contact_m, first.push_m).contact_force, far_alone = press.at(far.contact_m, far.push_m).contact_force;
     const ToolsEquilibrium apart = press.at({first, far});
     REQUIRE(apart);
-    constexpr double felt = 5e-3;  // what a tool four heights away still does: measured 2e-3
+    constexpr double felt = 5e-3;  // effect of a tool four block heights away: measured 2e-3
     CHECK((apart.contact_force[0] - alone).norm() < felt * alone.norm());
     CHECK((apart.contact_force[1] - far_alone).norm() < felt * far_alone.norm());
     const ToolsEquilibrium together = press.at({first, near});
@@ -66,8 +66,8 @@ TEST_CASE("two tools far apart have each the force of one alone, and two near on
     CHECK(together.contact_force[1].norm() < 0.97 * press.at(near.contact_m, near.push_m).contact_force.norm());
 }
 
-TEST_CASE("a list of one tool has the answer of that tool to the last bit, and the order of two does not matter", "[solid][two_tools]") {
-    const LawPress press(block());
+TEST_CASE("a list of one tool gives the single tool's result bit by bit; the order of two has no effect", "[solid][two_tools]") {
+    const IndentationSolver press(block());
     const std::vector<ToolPush> tools = two();
     const Equilibrium one = press.at(tools[0].contact_m, tools[0].push_m);
     const ToolsEquilibrium list = press.at({tools[0]});
@@ -80,11 +80,11 @@ TEST_CASE("a list of one tool has the answer of that tool to the last bit, and t
     CHECK((there.displacement - back.displacement).norm() < tolerance::newton * there.displacement.norm());
 }
 
-TEST_CASE("forces on two tools are what the stored energy grows by as each is pushed, the other held", "[solid][two_tools]") {
+TEST_CASE("the force of each of two tools is the derivative of the stored energy by its displacement", "[solid][two_tools]") {
     Pressed pressed;
     const std::vector<ToolPush> tools = two();
-    const PressState state = pressed.at(tools);
-    REQUIRE(state.status == PressStatus::held);
+    const EquilibriumState state = pressed.at(tools);
+    REQUIRE(state.status == SolverStatus::converged);
     REQUIRE(state.others.size() == 1);
     const Point force_N[] = {state.contact_force_N, state.others[0].contact_force_N};
     const double h = 1e-5;
@@ -98,15 +98,15 @@ TEST_CASE("forces on two tools are what the stored energy grows by as each is pu
         }
 }
 
-TEST_CASE("the supports carry what both tools give the tissue", "[solid][two_tools]") {
+TEST_CASE("support forces balance the forces of both tools on the tissue", "[solid][two_tools]") {
     Pressed pressed;
-    const PressState state = pressed.at(two());
-    REQUIRE(state.status == PressStatus::held);
+    const EquilibriumState state = pressed.at(two());
+    REQUIRE(state.status == SolverStatus::converged);
     Eigen::VectorXd supports = Eigen::VectorXd::Zero(pressed.energy.constant_count());
     const auto held = static_cast<Eigen::Index>(block().mesh.fixed.size());
     supports.tail(held) = pressed.law.constants.tail(held);
     const Point carried_N = pressed.energy.force(supports, state.displacement).colwise().sum().transpose();
-    // of a tapered disc the tissue takes more than what is conjugate to its push
+    // under a tapered disc the tissue bears more than the force conjugate to the tool displacement
     Point taken_N = Point::Zero(3);
     const std::vector<ToolPush> tools = two();
     for (const ToolPush& tool : tools) {
@@ -120,42 +120,42 @@ TEST_CASE("the supports carry what both tools give the tissue", "[solid][two_too
     CHECK(pushed_N.norm() > 1.2 * state.contact_force_N.norm());
 }
 
-TEST_CASE("two tools that mirror each other have forces that do", "[solid][two_tools]") {
-    const LawPress press(block());
+TEST_CASE("two mirrored tools have mirrored forces", "[solid][two_tools]") {
+    const IndentationSolver press(block());
     const ToolsEquilibrium rest = press.at({{place(0.108, 0.04), Eigen::Vector3d(1e-3, 0, -5e-3)}, {place(0.132, 0.04), Eigen::Vector3d(-1e-3, 0, -5e-3)}});
     REQUIRE(rest);
-    constexpr double mirrored = 1e-5;  // the 60 points that a contact stands on do not mirror each other: measured 1e-6
+    constexpr double mirrored = 1e-5;  // the 60 points of a contact are not mirror-symmetric: measured 1e-6
     const Eigen::Vector3d left = rest.contact_force[0], right = rest.contact_force[1];
     CHECK((left - Eigen::Vector3d(-right.x(), right.y(), right.z())).norm() < mirrored * left.norm());
     CHECK(std::abs(left.y()) < mirrored * left.norm());
 }
 
-TEST_CASE("a press of two tools goes on from another, and one that comes later starts from no push", "[solid][two_tools]") {
+TEST_CASE("two tools reach the same equilibrium from that of the first one as from rest", "[solid][two_tools]") {
     Pressed pressed;
     const std::vector<ToolPush> tools = two();
-    const PressState rest = pressed.at(tools), one = pressed.at({tools[0]}), later = pressed.at(tools, &one);
+    const EquilibriumState rest = pressed.at(tools), one = pressed.at({tools[0]}), later = pressed.at(tools, &one);
     CHECK(one.others.empty());
-    CHECK(later.status == PressStatus::held);
+    CHECK(later.status == SolverStatus::converged);
     CHECK((later.displacement - rest.displacement).norm() < tolerance::newton * rest.displacement.norm());
     CHECK((later.others[0].contact_force_N - rest.others[0].contact_force_N).norm() < tolerance::newton * rest.others[0].contact_force_N.norm());
     CHECK(later.others[0].push_m == tools[1].push_m);
 }
 
-TEST_CASE("tools nearer than two radii, no tool at all, and derivatives under two are refused", "[solid][two_tools]") {
-    const LawPress press(block());
+TEST_CASE("tools closer than two radii and an empty list and derivatives with two tools are refused", "[solid][two_tools]") {
+    const IndentationSolver press(block());
     const Point down = Eigen::Vector3d(0, 0, -0.003);
     const ToolPush first{place(0.1, 0.04), down};
     CHECK_THAT(refusal<OverlappingToolsError>([&] { press.at({first, {place(0.1139, 0.04), down}}); }), Contains("two discs are 13.9 mm apart, nearer than two radii of 7 mm"));
     CHECK(press.at({first, {place(0.114, 0.04), down}}));
     const Point towards = Eigen::Vector3d(-0.002, 0, -0.003);
-    CHECK_THAT(refusal<OverlappingToolsError>([&] { press.at({first, {place(0.115, 0.04), towards}}); }), Contains("13 mm apart when they are pushed"));
+    CHECK_THAT(refusal<OverlappingToolsError>([&] { press.at({first, {place(0.115, 0.04), towards}}); }), Contains("13 mm apart under the indentation"));
     CHECK_THAT(refusal<OverlappingToolsError>([&] { press.at({first, {place(0.15, 0.04), down}, {place(0.155, 0.04), down}}); }), Contains("5 mm apart"));
-    CHECK_THAT(refusal<MismatchError>([&] { press.at(std::vector<ToolPush>{}); }), Contains("no tool"));
+    CHECK_THAT(refusal<MismatchError>([&] { press.at(std::vector<ToolPush>{}); }), Contains("at least one tool"));
 
     Pressed pressed;
     pressed.at(two());
-    CHECK_THAT(refusal<MismatchError>([&] { pressed.solver.force_derivative(); }), Contains("of one tool"));
-    CHECK_THAT(refusal<MismatchError>([&] { pressed.solver.derivative({}, {}); }), Contains("of one tool"));
+    CHECK_THAT(refusal<MismatchError>([&] { pressed.solver.force_derivative(); }), Contains("for one tool only"));
+    CHECK_THAT(refusal<MismatchError>([&] { pressed.solver.derivative({}, {}); }), Contains("for one tool only"));
     pressed.at({first});
     CHECK(pressed.solver.force_derivative().by_constant.norm() > 0);
 }

@@ -23,17 +23,17 @@ std::string said(const std::string& text) {
     return refusal<StudyError>([&] { example_study(text); });
 }
 
-/// First line of a study over `surface-quick`.
+/// First line of a study based on `surface-quick`.
 std::string quick() {
     return "based_on = \"" + (std::filesystem::current_path() / "fem/studies/surface-quick").string() + "\"\n";
 }
 
 }  // namespace
 
-TEST_CASE("a study's stiffness is sets, or a law with terms and defaults for all else", "[law]") {
+TEST_CASE("a study has spring sets or an energy model with terms and default values", "[law]") {
     CHECK(example_study().springs.stiffness == "sets");
     const Study study = example_study(law_text());
-    CHECK(study.springs.is_law());
+    CHECK(study.springs.is_energy_model());
     CHECK(study.springs.terms == std::vector<std::string>{"spring.all", "contact.normal"});
     CHECK(study.springs.area_cap_E2 == 12);
     CHECK(study.training.force_scale == 0.01);
@@ -43,7 +43,7 @@ TEST_CASE("a study's stiffness is sets, or a law with terms and defaults for all
     CHECK(example_study(law_text("area_cap_E2 = 6\n", "starts = 3\nridge = 0\n")).training.starts == 3);
 }
 
-TEST_CASE("keys of sets are refused beside a law, and a law's beside sets, by name", "[law]") {
+TEST_CASE("keys of spring sets are refused with an energy model and the reverse", "[law]") {
     CHECK_THAT(said(law_text("law = \"axial\"\n")), Contains("springs.law"));
     CHECK_THAT(said(law_text("", "optimizer = \"exact\"\n")), Contains("training.optimizer") && Contains("sets"));
     CHECK_THAT(said(law_text("", "k_min_E2 = 0.05\n")), Contains("training.k_min_E2"));
@@ -58,15 +58,15 @@ TEST_CASE("keys of sets are refused beside a law, and a law's beside sets, by na
     CHECK_THAT(said(with(sets, "seed = 11", "seed = 11\nforce_scale = 0.01")), Contains("training.force_scale"));
 }
 
-TEST_CASE("a term that is not possible on the study's mesh is refused when it is planned, before FE", "[law]") {
+TEST_CASE("a term that is impossible on the study's mesh is refused in planning", "[law]") {
     const Study study = example_study(with(law_text(), "contact.normal", "contact.twist"));
     CHECK_THAT(refusal<StudyError>([&] { make_plan(study); }), Contains("springs.terms") && Contains("contact.twist"));
     CHECK_THAT(make_plan(example_study(law_text())).parts.at("train"), Contains("terms spring.all contact.normal"));
 }
 
-TEST_CASE("a law put over a study of sets takes its keys away, and listed contacts its spacing", "[law]") {
+TEST_CASE("an energy model in a derived study drops the keys of spring sets and the reverse", "[law]") {
     const Study quick = read_study("fem/studies/surface-quick.toml");
-    CHECK(quick.springs.is_law());
+    CHECK(quick.springs.is_energy_model());
     CHECK(quick.variants.empty());
     const std::vector<PlannedPath> paths = planned_paths(quick);
     int trained = 0;
@@ -78,13 +78,13 @@ TEST_CASE("a law put over a study of sets takes its keys away, and listed contac
     const Study back = read_study(folder.file("sets.toml", "based_on = \"base\"\n[springs]\nstiffness = \"sets\"\nlaw = \"axial\"\n"
                                                            "[training]\noptimizer = \"exact\"\nalso = []\nseed = 1\niterations = 1\nk_min_E2 = 0.05\n"
                                                            "k_max_E2 = 40.0\nweight_near = [1, 1]\nweight_far = [1, 1]\n"));
-    CHECK_FALSE(back.springs.is_law());
+    CHECK_FALSE(back.springs.is_energy_model());
 }
 
-TEST_CASE("listed contacts stand for their mirror images: drawn ones keep away from both", "[law]") {
+TEST_CASE("drawn contacts keep away from listed contacts and from their mirror images", "[law]") {
     Study study = read_study("fem/studies/surface-quick.toml");
     study.draws[0].count = 400;
-    study.draws[0].max_angle_deg = 4;  // nearer than 5 degrees to straight in: places alone tell them apart
+    study.draws[0].max_angle_deg = 4;  // within 5 degrees of the normal, so that only the distance counts
     const double length = 2 * study.geometry.height_m + study.geometry.width_m;
     for (const PlannedPath& p : planned_paths(study)) {
         if (p.role != study.draws[0].role) continue;
@@ -98,7 +98,7 @@ TEST_CASE("listed contacts stand for their mirror images: drawn ones keep away f
     CHECK_THAT(refusal<MismatchError>([&] { planned_paths(study); }), Contains("arcs_m") && Contains("clearance_m"));
 }
 
-TEST_CASE("a law's variants differ in what they name, keep some of the study's contacts, and belong to no sets", "[law]") {
+TEST_CASE("variants of an energy model replace given keys and keep some contacts; sets have no variants", "[law]") {
     const auto said_of = [](const std::string& variant) {
         const TemporaryFolder folder;
         return refusal<StudyError>([&] {
@@ -121,11 +121,11 @@ TEST_CASE("a law's variants differ in what they name, keep some of the study's c
     CHECK_THAT(said_of("first_terms = 8"), Contains("first_terms"));
     CHECK_THAT(said_of("area_cap_E2 = 0.1"), Contains("area_cap_E2"));
     CHECK_THAT(said_of("law = \"axial\""), Contains("law"));
-    CHECK_THAT(said(example_study_text() + "\n[[variants]]\nname = \"x\"\n"), Contains("variants") && Contains("law"));
+    CHECK_THAT(said(example_study_text() + "\n[[variants]]\nname = \"x\"\n"), Contains("variants") && Contains("energy model"));
     CHECK_THAT(said(law_text() + "\n[[variants]]\nname = \"x\"\n"), Contains("variants") && Contains("loads.sweep"));
 }
 
-TEST_CASE("a variant's cases are the training contacts it keeps, with their images, and every drawn one", "[law]") {
+TEST_CASE("the cases of a variant are its training contacts with mirror images and every drawn contact", "[law]") {
     const Study study = read_study("fem/studies/surface-quick.toml");
     Cases cases;
     for (const PlannedPath& p : planned_paths(study)) {

@@ -43,7 +43,7 @@ std::string why_not(const TemporaryFolder& folder, const std::string& name, cons
 
 }  // namespace
 
-TEST_CASE("a shape's file says how large it is and which parts have names, in every format, without being run", "[new]") {
+TEST_CASE("size and part names of a shape are read from .geo and .msh and .stl files", "[new]") {
     const TemporaryFolder folder;
     const ShapeExtent plane = shape_extent(folder.file("a.geo", outline));
     CHECK_FALSE(plane.solid);
@@ -51,24 +51,24 @@ TEST_CASE("a shape's file says how large it is and which parts have names, in ev
     CHECK(plane.regions == std::vector<std::string>{"tissue", "lump"});
     REQUIRE(plane.low);
     CHECK((*plane.low)[0] == -10);
-    CHECK((*plane.high)[1] == 40.5);  // nothing of the comment
+    CHECK((*plane.high)[1] == 40.5);  // the comment is ignored
     const ShapeExtent arc = shape_extent(folder.file("arc.geo", std::string(outline) + "Point( 5 ) = {0, -20000, 0};\nCircle(3) = {3, 5, 4};\n"));
-    CHECK((*arc.low)[1] == 0);  // nothing of an arc's middle
+    CHECK((*arc.low)[1] == 0);  // the centre of an arc is ignored
     CHECK_FALSE(shape_extent(folder.file("b.geo", std::string(outline) + "Point(5) = {w, 0, 0};\n")).low);
     CHECK_FALSE(shape_extent(folder.file("c.geo", "SetFactory(\"OpenCASCADE\");\n" + std::string(outline))).low);
     CHECK(shape_extent(folder.file("d.geo", "Physical Volume(\"flesh\") = {1};\nPhysical Surface(\"bed\") = {2};\n")).boundaries == std::vector<std::string>{"bed"});
 
-    // groups without a name are called by their number
+    // groups without a name are named by their number
     CHECK(shape_extent(folder.file("e.geo", "Physical Volume(7) = {1};\nPhysical Surface(\"bed\", 2) = {2};\nPhysical Surface( 3 ) = {3};\n")).boundaries == std::vector<std::string>{"bed", "3"});
     const std::string whole = tetrahedron, nameless = whole.substr(0, whole.find("$Physical")) + whole.substr(whole.find("$Nodes"));
     CHECK(shape_extent(folder.file("n.msh", nameless)).boundaries == std::vector<std::string>{"1"});
     CHECK(shape_extent(folder.file("n.msh", nameless)).regions == std::vector<std::string>{"2"});
     const std::string clash = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 4 \"1\"\n$EndPhysicalNames\n" + whole.substr(whole.find("$Nodes"));
-    CHECK_THAT(why_not(folder, "clash.msh", clash), Contains("its group 1 has no name, and another group is called '1': give every group a name"));
+    CHECK_THAT(why_not(folder, "clash.msh", clash), Contains("its group 1 has no name, and another group has the name '1': give every group a name"));
     CHECK_THAT(refusal<FileError>([&] { read_msh(folder.file("clash.msh", clash), true); }), Contains("its group 1 has no name"));
     std::string second = nameless;
     second.replace(second.find("2 4 2 2 2"), 9, "2 11 2 2 2");
-    CHECK_THAT(why_not(folder, "second.msh", second), Contains("elements of the second order; save it with those of the first"));
+    CHECK_THAT(why_not(folder, "second.msh", second), Contains("elements of second order; save it with first order"));
     const ShapeExtent solid = shape_extent(folder.file("a.msh", tetrahedron));
     CHECK(solid.solid);
     CHECK(solid.boundaries == std::vector<std::string>{"bed"});
@@ -89,20 +89,21 @@ TEST_CASE("a shape's file says how large it is and which parts have names, in ev
     CHECK((*named.high)[0] == 60);
 }
 
-TEST_CASE("a shape's file that is none is refused by name and cause", "[new]") {
+TEST_CASE("an invalid shape file is refused by name and cause", "[new]") {
     const TemporaryFolder folder;
-    CHECK_THAT(why_not(folder, "a.msh", "Point(1) = {0, 0, 0};"), Contains("a.msh: has no $MeshFormat"));
+    CHECK_THAT(why_not(folder, "a.msh", "Point(1) = {0, 0, 0};"), Contains("a.msh: has no complete $MeshFormat section"));
     CHECK_THAT(why_not(folder, "b.msh", "$MeshFormat\n2.2 1 8\n$EndMeshFormat\n"), Contains("is binary; save it as text"));
-    CHECK_THAT(why_not(folder, "c.msh", "$MeshFormat\n4 0 8\n$EndMeshFormat\n"), Contains("is of MSH 4; 2.2 and 4.1"));
+    CHECK_THAT(why_not(folder, "c.msh", "$MeshFormat\n4 0 8\n$EndMeshFormat\n"), Contains("has MSH format 4; formats 2.2 and 4.1"));
     CHECK_THAT(why_not(folder, "d.msh", with(tetrahedron, "1 0 0 0\n", "1 0 zero 0\n")), Contains("cannot read $Nodes"));
     CHECK_THAT(why_not(folder, "e.msh", with(tetrahedron, "$Nodes\n4", "$Nodes\n900000000")), Contains("cannot read $Nodes"));
     CHECK_THAT(why_not(folder, "f.msh", with(tetrahedron, "2 4 2 2 2 1 2 3 4", "2 2 2 1 1 1 2 4")), Contains("no tetrahedra; save its surface as .stl"));
     CHECK_THAT(why_not(folder, "a.stl", "solid\nendsolid\n"), Contains("a.stl: has no facets"));
     CHECK_THAT(why_not(folder, "b.stl", "solid\n vertex 60 nan 0\nendsolid\n"), Contains("b.stl:2: "));
     CHECK_THAT(why_not(folder, "huge.geo", "Point(1) = {1e999, 0, 0};\n"), Contains("a coordinate is not a finite number"));
-    CHECK_THAT(why_not(folder, "a.step", "v 0 0 0"), Contains("a shape is a .geo, .msh, .stl, .obj"));
+    CHECK_THAT(why_not(folder, "a.step", "v 0 0 0"), Contains("a shape must be a .geo, .msh, .stl, .obj"));
     CHECK_NOTHROW(shape_extent(folder.file("long.geo", "Point(1) = {" + std::string(3'000'000, ' ') + "0, 0, 0};")));
-    for (const char* repeated : {"1", "Point(", "Circle(1) = {", " "}) {  // no line takes the square of its length: this is seconds, not minutes
+    // the time is not quadratic in the length of a line: seconds, not minutes
+    for (const char* repeated : {"1", "Point(", "Circle(1) = {", " "}) {
         std::string text;
         for (int k = 0; k < 200; ++k) {
             text += "Point(1) = {";
@@ -113,7 +114,7 @@ TEST_CASE("a shape's file that is none is refused by name and cause", "[new]") {
     }
 }
 
-TEST_CASE("a new study is one that is read, in the plane and in space, with sizes that follow the tissue", "[new]") {
+TEST_CASE("a new study in the plane or in space is valid and its sizes scale with the tissue", "[new]") {
     const TemporaryFolder folder;
     for (const char* name : {"studies", "materials"}) std::filesystem::create_directory(folder.file(name));
     folder.file("materials/jelly.toml", "law = \"neo-Hookean\"\nC1_Pa = 500\ndensity_kg_m3 = 1000\n");
@@ -128,13 +129,14 @@ TEST_CASE("a new study is one that is read, in the plane and in space, with size
         wanted.shape_in_study = "a.geo";
         const WrittenStudy plane = new_study(wanted);
         const Study study = read_study(folder.file("studies/plane.toml", plane.toml));
-        CHECK(study.springs.is_law());
+        CHECK(study.springs.is_energy_model());
         CHECK(study.geometry.fixed == wanted.held);
         CHECK(study.spring_size_m > 0.05 * factor * 0.06);
         CHECK(study.spring_size_m <= factor * 0.06 / 8);
         CHECK(study.loads.depth_m() <= factor * 0.0405 / 10 * 1.001);
         CHECK(study.loads.sweep->clearance_m == Approx(study.indenter.clearance_m()));
-        CHECK(study.loads.sweep->clearance_m <= std::min(0.015, factor * 0.0405 / 3));  // a small tissue has room for contacts
+        // a small tissue has room for contacts
+        CHECK(study.loads.sweep->clearance_m <= std::min(0.015, factor * 0.0405 / 3));
         CHECK(study.draws.size() == 2);
         wanted.shape = folder.file("studies/b.stl", ascii_stl("bed", "skin"));
         wanted.shape_in_study = "b.stl";
@@ -161,27 +163,27 @@ TEST_CASE("a new study is one that is read, in the plane and in space, with size
     CHECK_THAT(refusal<MismatchError>([&] { new_study(wanted); }), Contains("'below z' begins like a region"));
 }
 
-TEST_CASE("a new study is refused where nothing or something unknown is held, and where the unit cannot be", "[new]") {
+TEST_CASE("a new study without valid fixed parts or with an implausible unit or size is refused", "[new]") {
     const TemporaryFolder folder;
     NewStudy wanted;
     wanted.shape = folder.file("a.geo", outline);
     wanted.shape_in_study = "a.geo";
     wanted.unit_m = 0.001;
     const auto said = [&] { return refusal<MismatchError>([&] { new_study(wanted); }); };
-    CHECK_THAT(said(), Contains("a.geo: --held must say which curves are held; it names bed, wall"));
+    CHECK_THAT(said(), Contains("a.geo: --held must name the curves that are fixed; its names: bed, wall"));
     wanted.held = {"bad"};
-    CHECK_THAT(said(), Contains("has no curve 'bad' to hold; it names bed, wall"));
+    CHECK_THAT(said(), Contains("has no curve 'bad' to fix; its names: bed, wall"));
     wanted.held = {"bed"};
     wanted.bed_Pa_m = 2e5;
-    CHECK_THAT(said(), Contains("a.geo: --bed is of a tissue in space"));
+    CHECK_THAT(said(), Contains("a.geo: --bed needs a tissue in space"));
     wanted.bed_Pa_m = 0;
     wanted.unit_m = 1;
     CHECK_THAT(said(), Contains("is 90 m long; is this in millimetres?"));
     wanted.unit_m = 1e-4;
-    CHECK_THAT(said(), Contains("a.geo: is 4.05 mm across"));
+    CHECK_THAT(said(), Contains("a.geo: is 4.05 mm wide"));
     wanted.unit_m = 0.001;
     wanted.shape = folder.file("b.geo", std::string("SetFactory(\"OpenCASCADE\");\n") + outline);
-    CHECK_THAT(said(), Contains("gmsh alone knows how large it is; give the length of the springs"));
+    CHECK_THAT(said(), Contains("its size is unknown before gmsh meshes it; give the length of the springs"));
     wanted.size_m = 0.01;
     CHECK_THAT(new_study(wanted).toml, Contains("size_m = 0.01 "));
     wanted.shape = folder.file("a.geo", outline);

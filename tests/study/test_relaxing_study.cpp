@@ -13,7 +13,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A study over `surface-quick`, whose moduli are C1 = 263 Pa, C2 = 491 Pa; its tables begin at line 2.
+/// A study based on `surface-quick`, whose moduli are C1 = 263 Pa, C2 = 491 Pa; its tables begin at line 2.
 std::string over_quick(const std::string& tables) {
     return "based_on = \"" + (std::filesystem::current_path() / "fem/studies/surface-quick").string() + "\"\n" + tables;
 }
@@ -77,7 +77,7 @@ apart_m = 0.02
     return text;
 }
 
-/// What read_study says of a text; it must name the file, the line at which `from` ends, and the key.
+/// Refusal of a study's text; it must name the file, the line at which `from` ends, and the key.
 std::string said(const std::string& text, const std::string& from, const std::string& key) {
     INFO(text);
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(text.find(from) + from.size() - 1), '\n');
@@ -87,7 +87,7 @@ std::string said(const std::string& text, const std::string& from, const std::st
     return words;
 }
 
-/// What it says of the groups with one thing changed.
+/// Refusal of the groups of histories with one change.
 std::string changed(const std::string& from, const std::string& to, const std::string& key) {
     return said(over_quick(branches() + with(groups(), from, to)), to, key);
 }
@@ -98,7 +98,7 @@ std::string solid_with(const std::string& material, const std::string& nodule = 
 
 }  // namespace
 
-TEST_CASE("branches are sorted by their times, and a material without them is elastic", "[histories]") {
+TEST_CASE("Maxwell branches are sorted by relaxation time and a material without them is elastic", "[histories]") {
     const Study elastic = example_study(over_quick("")), study = example_study(over_quick(branches()));
     CHECK_FALSE(elastic.material.relaxes());
     CHECK(elastic.material.share.empty());
@@ -111,7 +111,7 @@ TEST_CASE("branches are sorted by their times, and a material without them is el
     CHECK(study.material.C1_Pa == 263);
 }
 
-TEST_CASE("long-term moduli become instantaneous, and so does the modulus of which springs are made", "[histories]") {
+TEST_CASE("long-term moduli are converted to instantaneous ones and so is the modulus of the springs", "[histories]") {
     const Study study = example_study(over_quick(with(branches(), "instantaneous", "long-term")));
     CHECK(study.material.C1_Pa == Approx(263 / 0.45).epsilon(tolerance::rounding));
     CHECK(study.material.C2_Pa == Approx(491 / 0.45).epsilon(tolerance::rounding));
@@ -123,7 +123,7 @@ TEST_CASE("long-term moduli become instantaneous, and so does the modulus of whi
     CHECK(other.material.alpha == std::vector<double>{3.7, -9.3});
 }
 
-TEST_CASE("a nodule and a region relax as the base does, or by shares of their own, and their moduli by their own sum", "[histories]") {
+TEST_CASE("a nodule or region has the base's relative moduli or its own and converts its moduli accordingly", "[histories]") {
     const std::string material = "viscosity = [{ g = 0.3, tau_s = 1.0 }, { g = 0.25, tau_s = 0.05 }]\nmoduli = \"long-term\"";
     const Study alike = example_study(solid_with(material));
     REQUIRE(alike.nodule);
@@ -146,7 +146,7 @@ TEST_CASE("a nodule and a region relax as the base does, or by shares of their o
     CHECK(other.material.regions[0].C1_Pa == Approx(before.material.regions[0].C1_Pa / 0.8).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("branches that cannot be are refused with file, line and key", "[histories]") {
+TEST_CASE("invalid Maxwell branches are refused with line and key", "[histories]") {
     const auto refused = [](const std::string& from, const std::string& to, const std::string& key, const std::string& where) {
         return said(over_quick(with(branches(), from, to)), where, key);
     };
@@ -158,13 +158,13 @@ TEST_CASE("branches that cannot be are refused with file, line and key", "[histo
     CHECK_THAT(refused("g = 0.3", "g = 0.3, x = 1", "material.viscosity[0].x", "viscosity"), Contains("not known"));
     CHECK_THAT(refused("\"instantaneous\"", "\"long\"", "material.moduli", "moduli"), Contains("instantaneous, long-term"));
     CHECK_THAT(refused("moduli = \"instantaneous\"", "", "material.viscosity", "viscosity"), Contains("needs material.moduli"));
-    CHECK_THAT(said(over_quick("[material]\nmoduli = \"instantaneous\"\n"), "moduli", "material.moduli"), Contains("there is none"));
+    CHECK_THAT(said(over_quick("[material]\nmoduli = \"instantaneous\"\n"), "moduli", "material.moduli"), Contains("needs material.viscosity"));
     std::string nine = "[material]\nmoduli = \"instantaneous\"\nviscosity = [";
     for (int k = 1; k <= 9; ++k) nine += "{ g = 0.1, tau_s = " + std::to_string(k) + " }, ";
     CHECK_THAT(said(over_quick(nine + "]\n"), "viscosity", "material.viscosity"), Contains("at most 8"));
 }
 
-TEST_CASE("tissue relaxes where finite elements can: not in plane stress, not by sets, in space not by Ogden's law", "[histories]") {
+TEST_CASE("FE relaxation is refused in plane stress and with spring sets and for Ogden's law in space", "[histories]") {
     CHECK_THAT(said(over_quick(branches() + "formulation = \"plane-stress\"\n"), "viscosity", "material.viscosity"), Contains("plane stress"));
     const std::string sets = "[springs]\nstiffness = \"sets\"\nlaw = \"axial\"\n[training]\noptimizer = \"exact\"\nalso = []\nseed = 1\niterations = 1\n"
                              "k_min_E2 = 0.05\nk_max_E2 = 40.0\nweight_near = [1, 1]\nweight_far = [1, 1]\n";
@@ -177,14 +177,14 @@ TEST_CASE("tissue relaxes where finite elements can: not in plane stress, not by
     CHECK_THAT(said(ogden, "viscosity", "material.viscosity"), Contains("Ogden"));
 }
 
-TEST_CASE("a nodule's own branches have the base's times, and need them", "[histories]") {
+TEST_CASE("Maxwell branches of a nodule need those of the base with the same relaxation times", "[histories]") {
     const std::string material = "viscosity = [{ g = 0.3, tau_s = 1.0 }]\nmoduli = \"instantaneous\"", own = "viscosity = [{ g = 0.2, tau_s = 2.0 }] # own\n";
     CHECK_THAT(said(solid_with(material, own), own, "nodule.viscosity"), Contains("the tau_s of material.viscosity"));
     CHECK_THAT(said(solid_with(material, "viscosity = [] # own\n"), "viscosity = [] # own", "nodule.viscosity"), Contains("the tau_s"));
     CHECK_THAT(said(solid_with("", own), own, "nodule.viscosity"), Contains("needs material.viscosity"));
 }
 
-TEST_CASE("a preset or a law put over a base takes away how it relaxed; an empty list makes it elastic again", "[histories]") {
+TEST_CASE("a preset or law or empty list in a derived study drops the relaxation of the base", "[histories]") {
     const TemporaryFolder folder;
     folder.file("base.toml", over_quick(branches()));
     const auto derived = [&](const std::string& tables) { return read_study(folder.file("derived.toml", "based_on = \"base\"\n" + tables)); };
@@ -193,7 +193,8 @@ TEST_CASE("a preset or a law put over a base takes away how it relaxed; an empty
     const Study elastic = derived("[material]\nviscosity = []\n");
     CHECK_FALSE(elastic.material.relaxes());
     CHECK(elastic.material.C1_Pa == 263);
-    const Study other = derived("[material]\nviscosity = [{ g = 0.5, tau_s = 3 }]\n");  // moduli are still what the base says
+    // the key moduli is still that of the base
+    const Study other = derived("[material]\nviscosity = [{ g = 0.5, tau_s = 3 }]\n");
     CHECK(other.material.share == std::vector<double>{0.5});
 
     std::filesystem::create_directory(folder.file("studies"));
@@ -212,7 +213,7 @@ TEST_CASE("a preset or a law put over a base takes away how it relaxed; an empty
     CHECK_FALSE(preset("preset = \"slow\"\nviscosity = []\n").material.relaxes());
 }
 
-TEST_CASE("groups of histories say what their tables say, and are held out where they do not", "[histories]") {
+TEST_CASE("groups of histories have the values of their tables and the role held_out by default", "[histories]") {
     const Study study = example_study(over_quick(branches() + groups()));
     REQUIRE(study.histories.size() == 5);
     const Study::Histories &ramp = study.histories[0], &release = study.histories[1], &sine = study.histories[2], &poke = study.histories[3], &again = study.histories[4];
@@ -236,10 +237,10 @@ TEST_CASE("groups of histories say what their tables say, and are held out where
     CHECK(poke.duration_s == 3);
     CHECK(again.apart_m == 0.02);
     CHECK(example_study(over_quick(branches() + with(groups(), "apart_m = 0.02\n", ""))).histories[4].apart_m == 0);
-    CHECK(example_study(over_quick(groups())).histories.size() == 5);  // elastic tissue moves too
+    CHECK(example_study(over_quick(groups())).histories.size() == 5);  // elastic tissue may have histories too
 }
 
-TEST_CASE("groups of histories that cannot be are refused with file, line and key", "[histories]") {
+TEST_CASE("invalid groups of histories are refused with line and key", "[histories]") {
     CHECK_THAT(changed("name = \"release\"", "name = \"Release\"", "histories[1].name"), Contains("lower-case"));
     CHECK_THAT(said(over_quick(branches() + with(groups(), "name = \"release\"", "name = \"ramp\"  #")), "name = \"ramp\"  #", "histories[1].name"), Contains("twice"));
     CHECK_THAT(changed("kind = \"poke\"", "kind = \"prod\"", "histories[3].kind"), Contains("ramp, release, sine, poke, again, file"));
@@ -257,15 +258,15 @@ TEST_CASE("groups of histories that cannot be are refused with file, line and ke
     CHECK_THAT(changed("duration_s = 2", "duration_s = 2\nhold_s = 1", "histories[2].hold_s"), Contains("not known"));
     CHECK_THAT(changed("duration_s = 2", "duration_s = 2\ntilt_deg = [0, 1]", "histories[2].tilt_deg"), Contains("not known"));
     const std::string deep = with(groups(), "seed = 3\ncount = 1\ndepth_m = [0.002, 0.01]", "seed = 3\ncount = 1\ndepth_m = [0.002, 0.5]");
-    CHECK_THAT(said(over_quick(branches() + deep), "depth_m = [0.002, 0.5]", "histories[2].depth_m"), Contains("not beyond"));
+    CHECK_THAT(said(over_quick(branches() + deep), "depth_m = [0.002, 0.5]", "histories[2].depth_m"), Contains("at most"));
     CHECK_THAT(said(over_quick(branches() + "histories = 3\n"), "histories = 3", "material.histories"), Contains("not known"));
 }
 
-TEST_CASE("histories need a sweep to be drawn along, in space a tilt and a clearance, and measured tissue has none", "[histories]") {
+TEST_CASE("histories need a sweep in the plane and tilt and clearance in space; measured tissue has none", "[histories]") {
     const std::string group = groups().substr(0, groups().find("[[histories]]", 5));
     CHECK_THAT(said(example_study_text() + group, "kind = \"ramp\"", "histories[0].kind"), Contains("loads.sweep"));
     const std::string measured = "based_on = \"" + (std::filesystem::current_path() / "fem/studies/measured").string() + "\"\n";
-    CHECK_THAT(said(measured + group, "[[histories]]", "histories"), Contains("belongs to finite elements"));
+    CHECK_THAT(said(measured + group, "[[histories]]", "histories"), Contains("needs finite elements"));
     const std::string solid = with(with(group, "max_angle_deg = 30", "tilt_deg = [0, 30]\nclearance_m = [0.02, 0.04]"), "[0.002, 0.01]", "[0.001, 0.002]");
     const Study study = example_study(solid_study_text() + with(solid, "seed = 1", "seed = 991"));
     CHECK(study.histories.at(0).tilt_deg[1] == 30);
@@ -274,7 +275,7 @@ TEST_CASE("histories need a sweep to be drawn along, in space a tilt and a clear
     CHECK_THAT(said(solid_study_text() + with(again, "seed = 1", "seed = 991"), "apart_m", "histories[0].apart_m"), Contains("the plane"));
 }
 
-TEST_CASE("a course of one's own is a file beside the study, at a contact on the free surface", "[histories]") {
+TEST_CASE("a history of kind file has a file beside the study and a contact on the free surface", "[histories]") {
     const TemporaryFolder folder;
     folder.file("hand.csv", "time_s,x_m,y_m\n");
     const auto text = [](const std::string& file, const std::string& contact) {

@@ -15,7 +15,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// What read_study says of the example with one thing changed; it must name file, the key's line, and key.
+/// Refusal of the example with one change; it must be one line with file and key.
 std::string said(const std::string& from, const std::string& to, const std::string& key) {
     const std::string words = refusal<StudyError>([&] { shape_study(with(shape_study_text(), from, to)); });
     INFO(to);
@@ -26,7 +26,7 @@ std::string said(const std::string& from, const std::string& to, const std::stri
 
 constexpr const char* spread = "[loads.spread]\ncount = 5\nclearance_m = 0.015\npushes_deg = [[0, 0], [30, 0]]\n";
 
-/// The example with its contacts spread.
+/// The example with spread contacts.
 std::string spread_text() {
     const std::string& text = shape_study_text();
     const std::size_t from = text.find("contacts = ["), to = text.find("[draws");
@@ -35,7 +35,7 @@ std::string spread_text() {
 
 }  // namespace
 
-TEST_CASE("a study with geometry.solid is a shape in space: incompressible, no thickness, contacts on its surface", "[solid_shape]") {
+TEST_CASE("a study with geometry.solid is an incompressible solid shape with listed or spread contacts", "[solid_shape]") {
     const Study s = shape_study();
     CHECK(s.geometry.is_solid());
     CHECK_FALSE(s.geometry.is_block());
@@ -58,7 +58,7 @@ TEST_CASE("a study with geometry.solid is a shape in space: incompressible, no t
     CHECK(spread_out.loads.spread->clearance_m == 0.015);
 }
 
-TEST_CASE("a push is by tilt and azimuth about the inward normal: on a block's top as ever, on any surface from the x axis on", "[solid_shape]") {
+TEST_CASE("tilt and azimuth give a direction about the inward normal with azimuth 0 towards x", "[solid_shape]") {
     const Eigen::Vector3d down(0, 0, -1);
     for (double tilt : {0.0, 30.0, 90.0})
         for (double azimuth : {0.0, 45.0, 90.0, 270.0}) CHECK((surface_push(down, tilt, azimuth) - solid_push(tilt, azimuth)).norm() < tolerance::rounding);
@@ -70,12 +70,13 @@ TEST_CASE("a push is by tilt and azimuth about the inward normal: on a block's t
         CHECK(d.norm() == Approx(1).epsilon(tolerance::rounding));
     }
     CHECK(surface_push(n, 90, 0)[0] > 0);                                                         // towards x
-    CHECK(std::abs(surface_push(n, 90, 90)[0]) < tolerance::rounding);                            // across it
-    CHECK((surface_push(Eigen::Vector3d(1, 0, 0), 90, 0) - Eigen::Vector3d(0, 1, 0)).norm() < tolerance::rounding);  // y where n is along x
+    CHECK(std::abs(surface_push(n, 90, 90)[0]) < tolerance::rounding);                            // perpendicular to x
+    // towards y where n is along x
+    CHECK((surface_push(Eigen::Vector3d(1, 0, 0), 90, 0) - Eigen::Vector3d(0, 1, 0)).norm() < tolerance::rounding);
     CHECK((surface_push(Eigen::Vector3d(-1, 0, 0), 90, 90) - Eigen::Vector3d(0, 1, 0).cross(Eigen::Vector3d(-1, 0, 0))).norm() < tolerance::rounding);
 }
 
-TEST_CASE("keys that a solid shape has not, or must have, are refused by name", "[solid_shape]") {
+TEST_CASE("invalid and missing keys of a solid shape are refused by key", "[solid_shape]") {
     CHECK_THAT(said("solid = true", "solid = false", "geometry.solid"), Contains("must be true"));
     CHECK_THAT(said("solid = true", "solid = 1", "geometry.solid"), Contains("true or false"));
     CHECK_THAT(said("solid = true", "solid = true\nthickness_m = 0.1", "geometry.thickness_m"), Contains("plane"));
@@ -95,9 +96,9 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
     const Study::Geometry three = shape_study(with(shape_study_text(), "[\"bed\"]\n", "[\"bed\", \"wall\", \"roof\", \"side\"]\nbed_Pa_m = [1e5, 0.0, 2e5, 1e5]\n")).geometry;
     CHECK(three.beds() == std::vector<int>{1, 0, 2, 1});
     CHECK(three.beds_Pa_m() == std::vector<double>{1e5, 2e5});
-    CHECK_THAT(said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = [1e5, 0.0]\n", "geometry.bed_Pa_m"), Contains("has 2 numbers for the 1 that 'fixed' names"));
+    CHECK_THAT(said("[\"bed\"]\n", "[\"bed\"]\nbed_Pa_m = [1e5, 0.0]\n", "geometry.bed_Pa_m"), Contains("has 2 numbers for the 1 names of 'fixed'"));
     CHECK_THAT(said("solid = true", "bed_Pa_m = 2e5", "geometry.bed_Pa_m"), Contains("geometry.solid"));
-    CHECK_THAT(said("[draws.held_out]", "[draws.held_out_two]\napart_m = [0.015, 0.06]", "draws.held_out_two.apart_m"), Contains("on a block alone"));
+    CHECK_THAT(said("[draws.held_out]", "[draws.held_out_two]\napart_m = [0.015, 0.06]", "draws.held_out_two.apart_m"), Contains("on a block only"));
     said("fixed = [\"bed\"]\n", "", "geometry.fixed");
     said("[lattice]\nsize_m = 0.01\n", "", "lattice");
     said("size_m = 0.01", "cells = [5, 4, 3]", "lattice.size_m");
@@ -119,13 +120,13 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
                    shape_study(with(with(shape_study_text(), "density_kg_m3 = 1000.0", stone), "[springs]",
                                     "[nodule]\ncentre_m = [0, 0, 0.03]\nradius_m = 0.01\nC1_Pa = 1\nC2_Pa = 1\n[springs]"));
                }),
-               Contains("key 'nodule': cannot stand beside material.regions"));
+               Contains("key 'nodule': is not possible with material.regions"));
     const TemporaryFolder folder;
     const auto none_said = [&] { return refusal<StudyError>([&] { read_study(folder.file("b.toml", shape_study_text())); }); };
     folder.file("README.md", "| `home.geo` |");
     CHECK_THAT(none_said(), Contains("there is no file") && !Contains("README.md"));
     folder.file("README.md", "| `dome.geo` | from there |");
-    CHECK_THAT(none_said(), Contains("there is no file") && Contains("README.md says where to get it"));
+    CHECK_THAT(none_said(), Contains("there is no file") && Contains("README.md states where to get it"));
     folder.file("dome.stl", "");
     CHECK_THAT(refusal<StudyError>([&] {
                    read_study(folder.file("a.toml", with(with(shape_study_text(), "density_kg_m3 = 1000.0", stone), "dome.geo", "dome.stl")));
@@ -133,7 +134,7 @@ TEST_CASE("keys that a solid shape has not, or must have, are refused by name", 
                Contains("key 'material.regions': are physical volumes"));
 }
 
-TEST_CASE("contacts of a solid shape are listed or spread, one of the two, and each checked", "[solid_shape]") {
+TEST_CASE("contacts of a solid shape are either listed or spread and invalid ones are refused by key", "[solid_shape]") {
     CHECK_THAT(said("record_step_m = 0.002", "record_step_m = 0.002\nspread = { count = 1 }", "loads.spread"), Contains("listed or spread"));
     CHECK_THAT(said("record_step_m = 0.002", "record_step_m = 0.002\nsweep = { spacing_m = 1 }", "loads.sweep"), Contains("contacts or spread"));
     const std::string& text = shape_study_text();
@@ -142,7 +143,7 @@ TEST_CASE("contacts of a solid shape are listed or spread, one of the two, and e
     CHECK_THAT(refusal<StudyError>([&] { shape_study(text.substr(0, from) + "contacts = []\n" + text.substr(to)); }), Contains("loads.contacts"));
     said("at_m = [0.0, 0.0, 0.051]", "at_m = [0.0, 0.051]", "loads.contacts[0].at_m");
     CHECK_THAT(said("[[0, 0], [30, -90]]", "[[0, 0], [0, 45]]", "loads.contacts[0].pushes_deg"), Contains("twice"));
-    said("[[0, 0], [30, -90]]", "[[91, 0]]", "loads.contacts[0].pushes_deg");
+    said("[[0, 0], [30, -90]]", "[[181, 0]]", "loads.contacts[0].pushes_deg");
     said("[[0, 0], [30, -90]]", "[[30, 361]]", "loads.contacts[0].pushes_deg");
     CHECK_THAT(said("depth_m = 0.003,", "depth_m = 0.009,", "loads.contacts[1].depth_m"), Contains("magnitudes_m"));
     said("depth_m = 0.003,", "depht_m = 0.003,", "loads.contacts[1].depht_m");
@@ -158,19 +159,20 @@ TEST_CASE("contacts of a solid shape are listed or spread, one of the two, and e
     const auto nodule = [](const std::string& rows) { return refusal<StudyError>([&] { shape_study(shape_study_text() + "\n[nodule]\nC1_Pa = 4000\nC2_Pa = 0\n" + rows); }); };
     CHECK_THAT(nodule("shape = \"none.stl\"\n"), Contains("key 'nodule.shape': there is no file ") && Contains("none.stl"));
     CHECK_THAT(nodule("shape = \"ball.geo\"\n"), Contains("key 'nodule.shape': 'ball.geo' must be a file that ends in .stl"));
-    CHECK_THAT(nodule("shape = \"none.stl\"\nradius_m = 0.01\n"), Contains("key 'nodule.shape': cannot stand beside centre_m and radius_m"));
-    CHECK_THAT(nodule("shape = \"none.stl\"\nradius_m = 0.01\nunit_m = 1\n"), Contains("cannot stand beside"));
+    CHECK_THAT(nodule("shape = \"none.stl\"\nradius_m = 0.01\n"), Contains("key 'nodule.shape': is not possible with centre_m and radius_m"));
+    CHECK_THAT(nodule("shape = \"none.stl\"\nradius_m = 0.01\nunit_m = 1\n"), Contains("is not possible with"));
     CHECK_THAT(nodule("centre_m = [0, 0, 0.03]\nradius_m = 0.01\nunit_m = 1\n"), Contains("key 'nodule.unit_m': is not known"));
 }
 
-TEST_CASE("a study based on another takes its own kind of contacts and geometry", "[solid_shape]") {
+TEST_CASE("a derived study of a solid shape replaces the contacts and the geometry of its base", "[solid_shape]") {
     const TemporaryFolder folder;
     folder.file("dome.geo", "");
     folder.file("base.toml", shape_study_text());
     CHECK(read_study(folder.file("a.toml", std::string("based_on = \"base\"\n") + spread)).loads.contacts.empty());
     CHECK(read_study(folder.file("a.toml", std::string("based_on = \"base\"\n") + spread)).geometry.shape == folder.file("dome.geo", ""));
     folder.file("other.geo", "");
-    for (const char* trust : {"", "trust_geo = false\n", "trust_geo = true\n"}) {  // of the base's file, not of another
+    // trust in the base's file does not extend to another file
+    for (const char* trust : {"", "trust_geo = false\n", "trust_geo = true\n"}) {
         const std::string file = folder.file("d.toml", std::string("based_on = \"base\"\n[geometry]\nshape = \"other.geo\"\n") + trust + "[lattice]\nsize_m = 0.01\n[springs]\nspacing_m = 0.01\n" + spread);
         CAPTURE(trust);
         if (std::string(trust).find("= true") != std::string::npos) CHECK_NOTHROW(read_study(file));
@@ -183,7 +185,7 @@ TEST_CASE("a study based on another takes its own kind of contacts and geometry"
     CHECK(read_study(folder.file("c.toml", on_block + spread)).geometry.is_solid());
 }
 
-TEST_CASE("a solid shape's variants count its pushes", "[solid_shape]") {
+TEST_CASE("variants of a solid shape keep at most as many paths as it has indentations", "[solid_shape]") {
     const auto varied = [](const std::string& more) { return shape_study(shape_study_text() + "\n[[variants]]\nname = \"few\"\n" + more); };
     CHECK(varied("first_paths = 5").variants[0].first_paths == 5);
     CHECK_THAT(refusal<StudyError>([&] { varied("first_paths = 6"); }), Contains("key 'variants[0].first_paths'"));

@@ -23,21 +23,21 @@ int line_of(const std::string& study, const std::string& what) {
     return 1 + static_cast<int>(std::count(study.begin(), study.begin() + static_cast<long>(study.find(what)), '\n'));
 }
 
-/// What read_study says of a study with one thing changed.
+/// Refusal of the example study with one change.
 std::string said(const std::string& from, const std::string& to) {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.toml", with(text(), from, to));
     return refusal<StudyError>([&] { read_study(file); });
 }
 
-/// "s.toml:LINE: key 'KEY'", the place every refusal names; LINE is where `from` stands.
+/// "s.toml:LINE: key 'KEY'", the place in a refusal; LINE is the line of `from`.
 std::string place(const std::string& from, const std::string& key) {
     return "s.toml:" + std::to_string(line_of(text(), from)) + ": key '" + key + "'";
 }
 
 }  // namespace
 
-TEST_CASE("a study says what its file says") {
+TEST_CASE("a study has the values of its file") {
     const Study s = example_study();
     CHECK(s.name == "example");
     CHECK(s.geometry.thickness_m == 0.0003);
@@ -61,7 +61,7 @@ TEST_CASE("small-strain moduli of the study are E = 6 (C1 + C2) and E2 = E t") {
     CHECK(s.modulus_N_m() == Approx(4524 * 0.0003).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("a push is a direction: its length in the file does not matter") {
+TEST_CASE("the direction of a path is normalised when a study is read") {
     const Study s = example_study();
     CHECK(s.loads.paths.at(1).direction.norm() == Approx(1).epsilon(tolerance::rounding));
     CHECK(s.loads.paths.at(1).direction.x() == Approx(-3 / std::sqrt(10.0)).epsilon(tolerance::rounding));
@@ -75,7 +75,7 @@ TEST_CASE("stop criteria of Fig. 5 are optional keys") {
     CHECK(s.training.target_rel_loss == 0.01);
 }
 
-TEST_CASE("a study based on another changes what it says and keeps the rest; lists are replaced whole") {
+TEST_CASE("a derived study replaces the keys it gives and whole lists and keeps the rest") {
     const TemporaryFolder folder;
     folder.file("base.toml", text());
     const Study base = read_study(folder.file("base.toml"));
@@ -90,15 +90,16 @@ TEST_CASE("a study based on another changes what it says and keeps the rest; lis
     CHECK(third.springs.law == "isotropic");
 }
 
-TEST_CASE("the committed studies are allowed, and the paper's has its 18 cases and 0.75 N/m") {
+TEST_CASE("the committed studies are valid and the study of the paper has 18 cases and 0.754 N/m") {
     const std::vector<std::string> organs{"brain", "kidney", "liver", "spleen"};
     int studies = 0;
     for (const auto& entry : std::filesystem::directory_iterator("fem/studies")) {
         if (entry.path().extension() != ".toml") continue;
-        const std::filesystem::path brought = std::filesystem::path("fem/organs") / (entry.path().stem().string() + ".stl");  // by the user: fem/organs/README.md
+        // provided by the user (fem/organs/README.md)
+        const std::filesystem::path brought = std::filesystem::path("fem/organs") / (entry.path().stem().string() + ".stl");
         if (std::find(organs.begin(), organs.end(), entry.path().stem()) != organs.end() && !std::filesystem::exists(brought)) {
             CHECK_THAT(refusal<StudyError>([&] { read_study(entry.path().string()); }),
-                       Contains("key 'geometry.shape': there is no file " + brought.string() + "; fem/organs/README.md says where to get it"));
+                       Contains("key 'geometry.shape': there is no file " + brought.string() + "; fem/organs/README.md states where to get it"));
             continue;
         }
         const Study s = read_study(entry.path().string());
@@ -111,7 +112,7 @@ TEST_CASE("the committed studies are allowed, and the paper's has its 18 cases a
     CHECK(paper.modulus_N_m() == Approx(0.754).epsilon(tolerance::rounding));
 }
 
-TEST_CASE("an unknown key is refused with file, line, key and what is allowed, in every table") {
+TEST_CASE("an unknown key in any table is refused with its place and the allowed keys") {
     CHECK_THAT(said("height_m = 0.1", "height_m = 0.1\nheigth_m = 0.1"),
                Contains("s.toml:4: key 'geometry.heigth_m'") && Contains("allowed: height_m, thickness_m, width_m"));
     CHECK_THAT(said("[mesh]", "[mehs]\nx = 1\n[mesh]"), Contains("key 'mehs'") && Contains("allowed: "));
@@ -129,7 +130,7 @@ TEST_CASE("a missing key or table is refused by name") {
     CHECK_THAT(said("name = \"left\", ", ""), Contains("key 'loads.paths[0].name': is missing"));
 }
 
-TEST_CASE("impossible values are refused with file, line, key and what is allowed") {
+TEST_CASE("values out of range are refused with their place and the allowed values") {
     const auto refused = [](const std::string& from, const std::string& to, const std::string& key,
                             const std::string& allowed) {
         INFO(to);
@@ -150,7 +151,7 @@ TEST_CASE("impossible values are refused with file, line, key and what is allowe
     refused("cells = [4, 4]", "cells = [4, 4, 4]", "lattice.cells", "2 numbers");
     refused("cells = [4, 4]", "cells = [400, 400]", "lattice.cells", "at most 100000");
     refused("record_step_m = 0.002", "record_step_m = 2e-10", "loads.record_step_m", "at most 10000");
-    refused("[0.004, 0.008]", "[0.004, 0.102]", "loads.magnitudes_m", "the block is 100 mm long");
+    refused("[0.004, 0.008]", "[0.004, 0.102]", "loads.magnitudes_m", "the block's length of 100 mm");
     refused("refine = 1", "refine = 0", "mesh.refine", "an integer from 1");
     refused("tolerance = 1e-10", "tolerance = 1", "solver.tolerance", "a number >= ");
     refused("seed = 11", "seed = -1", "training.seed", "an integer from 0");
@@ -161,7 +162,7 @@ TEST_CASE("impossible values are refused with file, line, key and what is allowe
     refused("weight_far = [0.80, 0.90]", "weight_far = [0.90, 0.80]", "training.weight_far", "[smallest, largest]");
 }
 
-TEST_CASE("both Mooney-Rivlin constants zero is no solid; C2 = 0 alone is the neo-Hookean one") {
+TEST_CASE("one Mooney-Rivlin constant may be zero but not both") {
     const std::string soft = with(text(), "C1_Pa = 263.0", "C1_Pa = 0.0");
     CHECK(example_study(soft).material.C1_Pa == 0);
     const TemporaryFolder folder;
@@ -170,13 +171,13 @@ TEST_CASE("both Mooney-Rivlin constants zero is no solid; C2 = 0 alone is the ne
     CHECK(example_study(with(text(), "C2_Pa = 491.0", "C2_Pa = 0.0")).material.C2_Pa == 0);
 }
 
-TEST_CASE("the neo-Hookean law has no C2") {
+TEST_CASE("the neo-Hookean law accepts no C2 but zero") {
     const std::string law = with(text(), "law = \"mooney-rivlin\"", "law = \"neo-Hookean\"");
     CHECK(example_study(with(law, "C2_Pa = 491.0", "C2_Pa = 0.0")).material.law == "neo-Hookean");
     CHECK_THAT(said("law = \"mooney-rivlin\"", "law = \"neo-Hookean\""), Contains("key 'material.C2_Pa'"));
 }
 
-TEST_CASE("a patch has a half width and stays three of them from the fixed edge, at most 15 mm; a point has neither") {
+TEST_CASE("a patch keeps its clearance from the fixed edge and a point has no half width") {
     const std::string patch = with(text(), "kind = \"point\"", "kind = \"patch\"\nhalf_width_m = 0.005");
     CHECK(example_study(patch).indenter.half_width_m == 0.005);
     const TemporaryFolder folder;
@@ -202,7 +203,7 @@ TEST_CASE("a patch has a half width and stays three of them from the fixed edge,
                Contains("indenter.half_width_m") && Contains("not known"));
 }
 
-TEST_CASE("an odd number of elements along x cannot be mirror-symmetric") {
+TEST_CASE("an odd number of elements along x is refused because its mesh is not symmetric") {
     CHECK_THAT(said("cells = [4, 4]", "cells = [5, 4]"), Contains("mesh.refine") && Contains("even"));
     CHECK(example_study(with(with(text(), "cells = [4, 4]", "cells = [5, 4]"), "refine = 1", "refine = 2")).refine == 2);
 }
@@ -222,7 +223,7 @@ TEST_CASE("a value of the wrong type is refused with its line and key") {
     CHECK_THAT(said("contact_m = [0.0, 0.05]", "contact_m = [0.0]"), Contains("loads.paths[0].contact_m"));
 }
 
-TEST_CASE("load paths that cannot be pushed are refused") {
+TEST_CASE("load paths with an invalid contact or direction or name or magnitude are refused by key") {
     CHECK_THAT(said("contact_m = [0.0, 0.05]", "contact_m = [0.01, 0.05]"),
                Contains(place("\"left\"", "loads.paths[0].contact_m")) && Contains("not on the free surface"));
     CHECK_THAT(said("contact_m = [0.0, 0.05]", "contact_m = [0.05, 0.0]"), Contains("not on the free surface"));
@@ -237,7 +238,7 @@ TEST_CASE("load paths that cannot be pushed are refused") {
     CHECK_THAT(said("[0.004, 0.008]", "[-0.004, 0.008]"), Contains("loads.magnitudes_m") && Contains("> 0"));
 }
 
-TEST_CASE("a sweep and its draws are refused where they are impossible") {
+TEST_CASE("invalid values of a sweep and of its draws are refused by key") {
     const std::size_t from = text().find("paths = ["), to = text().find("[springs]");
     const std::string swept = text().substr(0, from) +
                               "[loads.sweep]\nspacing_m = 0.025\nclearance_m = 0.02\nangles_deg = [-30, 0, 30]\n\n[draws]\n"
@@ -263,7 +264,7 @@ TEST_CASE("a sweep and its draws are refused where they are impossible") {
     refused("held_out = {", "proof = {", "draws.proof");
 }
 
-TEST_CASE("malformed TOML is refused with file and line, in one line") {
+TEST_CASE("malformed TOML is refused in one line with file and line number") {
     const std::string broken = with(text(), "height_m = 0.1", "height_m = = 0.1");
     const TemporaryFolder folder;
     const std::string file = folder.file("s.toml", broken);
@@ -275,7 +276,7 @@ TEST_CASE("malformed TOML is refused with file and line, in one line") {
                Contains("b.toml:1"));
 }
 
-TEST_CASE("a study file that is not there, or is a folder, is refused by name") {
+TEST_CASE("a missing study file and a folder are refused") {
     const TemporaryFolder folder;
     CHECK_THAT(refusal<FileError>([&] { read_study(folder.file("none.toml")); }), Contains("none.toml"));
     CHECK_THROWS_AS(read_study(folder.file("")), FileError);
@@ -283,7 +284,7 @@ TEST_CASE("a study file that is not there, or is a folder, is refused by name") 
                Contains("gone.toml"));
 }
 
-TEST_CASE("studies based on each other in a circle, or on no text, are refused with file and line") {
+TEST_CASE("studies based on each other in a circle or on a number are refused by key") {
     const TemporaryFolder folder;
     folder.file("a.toml", "# first\nbased_on = \"b\"\n");
     folder.file("b.toml", "based_on = \"a\"\n");
@@ -293,7 +294,7 @@ TEST_CASE("studies based on each other in a circle, or on no text, are refused w
                Contains("c.toml:1: key 'based_on'"));
 }
 
-TEST_CASE("a bad key of a derived study, and of its base, is refused with the file and line where it stands") {
+TEST_CASE("an invalid key of a derived study or its base is refused with its own file and line") {
     const TemporaryFolder folder;
     folder.file("base.toml", text());
     const auto derived = [&](const std::string& change) {
@@ -309,7 +310,7 @@ TEST_CASE("a bad key of a derived study, and of its base, is refused with the fi
     CHECK_THAT(derived("[springs]\nlaw = \"axial\"\n"), Contains("base.toml:8: key 'material.C1_Pa'"));
 }
 
-TEST_CASE("an optimiser that does not exist is refused before any FE is solved") {
+TEST_CASE("an unknown optimiser is refused when the study is read") {
     CHECK_THAT(said("optimizer = \"spsa\"", "optimizer = \"adam\""), Contains("training.optimizer") && Contains("adam"));
     CHECK_THAT(said("also = [\"spsa-2008\"]", "also = [\"adam\"]"), Contains("training.also") && Contains("adam"));
 }

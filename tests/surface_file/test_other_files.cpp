@@ -17,7 +17,8 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-// A box of 2 x 3 x 4 in each format: corners by the bits of their number, sides z = 0, z = 4, then the four upright ones, outwards.
+// A box of 2 x 3 x 4 in each format. The bits of a corner's number are its coordinates. Sides: z = 0, z = 4, then the
+// four vertical ones; normals out.
 const std::string points = "0 0 0\n2 0 0\n0 3 0\n2 3 0\n0 0 4\n2 0 4\n0 3 4\n2 3 4\n";
 constexpr int sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
 
@@ -77,13 +78,13 @@ std::string ply(const std::string& format, const std::string& list = "uchar int"
     return text;
 }
 
-/// With line ends of an old Mac.
+/// With carriage returns as line ends.
 std::string cr(std::string text) {
     std::replace(text.begin(), text.end(), '\n', '\r');
     return text;
 }
 
-/// The sides z = 0 and z = 4 are nodes of their own beside the rest; all are moved by (10, 0, 0) and turned by 90 degrees about z.
+/// The sides z = 0 and z = 4 and the walls are three nodes, rotated by 90 degrees about z and translated by (10, 0, 0).
 std::string glb(std::string json = "") {
     std::string bytes;
     for (int n = 0; n < 8; ++n)
@@ -132,7 +133,7 @@ Held held(const MshFile& mesh, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("a box is the same surface in every format that is read", "[surface_file]") {
+TEST_CASE("a box is read as the same surface from every format", "[surface_file]") {
     const TemporaryFolder folder;
     std::string negative = obj();
     for (std::size_t at; (at = negative.find("f 1 3 4 2\n")) != std::string::npos;) negative.replace(at, 10, "f -8 -6 -5 -7\n");
@@ -155,17 +156,17 @@ TEST_CASE("a box is the same surface in every format that is read", "[surface_fi
     CHECK(moved.points.front().x == Approx(10).epsilon(1e-6));  // (0, 0, 0)
     double low = 1e9;
     for (const auto& p : moved.points) low = std::min(low, p.x);
-    CHECK(low == Approx(7).epsilon(1e-6));  // (0, 3, 0) is turned to (-3, 0, 0)
+    CHECK(low == Approx(7).epsilon(1e-6));  // (0, 3, 0) is rotated to (-3, 0, 0)
 }
 
-TEST_CASE("a group of an .obj may go on later, and one object alone names nothing", "[surface_file]") {
+TEST_CASE("a group of an .obj may continue later; a single object gives no name; polygons are triangulated", "[surface_file]") {
     const TemporaryFolder folder;
     const std::string parts = lines("v ") + "o bed\n" + obj_facet(0) + "o rest\n" + obj_facet(1) + obj_facet(2) + "o bed\n" + obj_facet(3) + "o rest\n" + obj_facet(4) + obj_facet(5);
     CHECK(held(read_surface_file(folder.file("parts.obj", parts)), "bed").held_m2 == Approx(6 + 8));
     std::string alone = lines("v ") + "o liver\n";
     for (int s = 0; s < 6; ++s) alone += obj_facet(s);
     CHECK(read_surface_file(folder.file("alone.obj", alone)).triangle_names.empty());
-    // a facet of six corners, which turns inwards at one of them, is divided along it
+    // a facet of six corners, not convex at one of them, is triangulated
     const std::string hook = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n";
     const MshFile mesh = read_surface_file(folder.file("hook.obj", hook));
     double area = 0;
@@ -179,14 +180,14 @@ TEST_CASE("a group of an .obj may go on later, and one object alone names nothin
     }
     CHECK(mesh.triangles.size() == 4);
     CHECK(area == Approx(3));
-    // a triangle as a quadrilateral with a corner twice
+    // a triangle as a quadrilateral with a repeated corner
     for (const char* facet : {"f 1 2 3 3", "f 1 2 2 3", "f 1 1 2 3", "f 1 2 3 1"}) CHECK(read_surface_file(folder.file("three.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\n") + facet + "\n")).triangles.size() == 1);
     // groups of one name in two objects, and names with a #
     std::string objects = lines("v ") + "o bed\ng mat\n" + obj_facet(0) + "o rest\ng mat\n" + obj_facet(1) + "g part #1\n" + obj_facet(2) + obj_facet(3) + "g part #2\n" + obj_facet(4) + obj_facet(5) + "# end\n";
     CHECK(read_surface_file(folder.file("objects.obj", objects)).triangle_names == std::map<int, std::string>{{1, "bed/mat"}, {2, "rest/mat"}, {3, "part #1"}, {4, "part #2"}});
 }
 
-TEST_CASE("a mirrored node of a .glb is not turned inside out", "[surface_file]") {
+TEST_CASE("a mirrored node of a .glb keeps outward normals", "[surface_file]") {
     const TemporaryFolder folder;
     std::string json = glb().substr(20, glb().find("BIN") - 24);
     const std::string from = "\"translation\":[10,0,0]";
@@ -203,75 +204,75 @@ TEST_CASE("a mirrored node of a .glb is not turned inside out", "[surface_file]"
     CHECK(six == Approx(6 * 24).epsilon(1e-5));
 }
 
-TEST_CASE("a file of VTK is refused with the program that converts it", "[surface_file]") {
-    CHECK(vtk_refusal("a/organ.vtp") == "a/organ.vtp: VTK surfaces are converted first: scripts/vtk_surface a/organ.vtp a/organ.obj");
-    CHECK(vtk_refusal("ORGAN.VTK") == "ORGAN.VTK: VTK surfaces are converted first: scripts/vtk_surface ORGAN.VTK ORGAN.obj");
-    CHECK_THAT(refusal<FileError>([] { refuse_vtk("organ.vTu"); }), Contains("organ.vTu: is an unstructured grid") && Contains("scripts/vtk_surface organ.vtp organ.obj; or bring its tetrahedra as a .msh"));
+TEST_CASE("a VTK file is refused with the name of the program that converts it", "[surface_file]") {
+    CHECK(vtk_refusal("a/organ.vtp") == "a/organ.vtp: is a VTK surface; convert it first: scripts/vtk_surface a/organ.vtp a/organ.obj");
+    CHECK(vtk_refusal("ORGAN.VTK") == "ORGAN.VTK: is a VTK surface; convert it first: scripts/vtk_surface ORGAN.VTK ORGAN.obj");
+    CHECK_THAT(refusal<FileError>([] { refuse_vtk("organ.vTu"); }), Contains("organ.vTu: is an unstructured grid") && Contains("scripts/vtk_surface organ.vtp organ.obj; or give its tetrahedra as a .msh"));
     for (const char* other : {"organ.obj", "vtp", ".vtp", "organ.vtp.obj", "organvtp", ""}) {
         CHECK(vtk_refusal(other).empty());
         CHECK_NOTHROW(refuse_vtk(other));
     }
 }
 
-TEST_CASE("a damaged surface is refused with file, place and cause", "[surface_file]") {
+TEST_CASE("a damaged surface file is refused with file, place and cause", "[surface_file]") {
     const TemporaryFolder folder;
     const auto said = [&](const std::string& name, const std::string& content) { return refusal<FileError>([&] { read_surface_file(folder.file(name, content)); }); };
     CHECK_THAT(said("a.obj", "v 0 0\n"), Contains("a.obj:1: is not 'v x y z'"));
     CHECK_THAT(said("a.obj", "v 0 0 1,5\n"), Contains("a.obj:1: is not 'v x y z'"));
-    CHECK_THAT(said("a.obj", "v 0 0 nan\n"), Contains("a.obj:1: has a coordinate that is no finite number"));
+    CHECK_THAT(said("a.obj", "v 0 0 nan\n"), Contains("a.obj:1: has a coordinate that is not a finite number"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 0 1 1\n"), Contains("a.obj:2: names point 0 of 1"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 -2\n"), Contains("a.obj:2: names point -2 of 1"));
-    CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 2\n"), Contains("a.obj:2: names a point that the file does not have: it has 1"));
+    CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 2\n"), Contains("a.obj:2: names a point that the file does not have; it has 1"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1\n"), Contains("a.obj:2: is not 'f i j k ..'"));
     CHECK_THAT(said("a.obj", "v 0 0 0\nf 1 1 1 \\\n1\n"), Contains("a.obj:2: is not 'f i j k ..'"));
     std::string many = "v 0 0 0\nf";
     for (int k = 0; k < 256; ++k) many += " 1";
-    CHECK_THAT(said("a.obj", many + "\n"), Contains("a.obj:2: has 256 corners; a facet has 3 to 255"));
+    CHECK_THAT(said("a.obj", many + "\n"), Contains("a.obj:2: has 256 corners; a facet must have 3 to 255"));
     CHECK_THAT(said("a.obj", "SystemCall \"rm\";\n"), Contains("a.obj: has no facets"));
     CHECK_THAT(said("a.off", "8 6 0\n"), Contains("a.off:1: is not 'OFF'"));
     CHECK_THAT(said("a.off", "OFF BINARY\n"), Contains("a.off:1: is a binary .off"));
-    CHECK_THAT(said("a.off", "OFF\n1000000000000 1 0\n0 0 0\n"), Contains("a.off: breaks off where 'x y z' should stand"));
+    CHECK_THAT(said("a.off", "OFF\n1000000000000 1 0\n0 0 0\n"), Contains("a.off: is truncated: 'x y z' is missing"));
     CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n1000000000 0 0 0\n"), Contains("a.off:4: is a facet of 1000000000 corners"));
     CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n3 0 0\n"), Contains("a.off:4: is not 'COUNT i j k ..'"));
     CHECK_THAT(said("a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 -1\n"), Contains("a.off:4: names a point that the file does not have"));
-    CHECK_THAT(said("a.off", "OFF\n2 1 0\n0 0 0 1 1 1\n3 0 0 1\n"), Contains("a.off:3: is more than 'x y z'; a file with colours begins with COFF"));
-    CHECK_THAT(said("a.ply", "pl\n"), Contains("a.ply:1: is no .ply"));
-    CHECK_THAT(said("a.ply", ply("ascii", "uchar int", "int64")), Contains("a.ply:4: 'int64' is no type of a .ply's numbers"));
+    CHECK_THAT(said("a.off", "OFF\n2 1 0\n0 0 0 1 1 1\n3 0 0 1\n"), Contains("a.off:3: has more than 'x y z'; a file with colours must begin with COFF"));
+    CHECK_THAT(said("a.ply", "pl\n"), Contains("a.ply:1: is not a .ply"));
+    CHECK_THAT(said("a.ply", ply("ascii", "uchar int", "int64")), Contains("a.ply:4: 'int64' is not a number type of .ply"));
     CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar float x\nproperty float x\n"), Contains("a.ply:5: a second property 'x'"));
-    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list char int vertex_indices\nend_header\n-1\n"), Contains("a.ply: face 1 has a list 'vertex_indices' of -1"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list char int vertex_indices\nend_header\n-1\n"), Contains("a.ply: face 1 has a list 'vertex_indices' of length -1"));
     CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 190000\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n"), Contains("element 'vertex' has no properties"));
-    CHECK_THAT(said("a.ply", ply("binary_little_endian").substr(0, 300)), Contains("a.ply: breaks off within an element, 131 bytes behind its head"));
+    CHECK_THAT(said("a.ply", ply("binary_little_endian").substr(0, 300)), Contains("a.ply: is truncated within an element, 131 bytes after its header"));
     CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\n"), Contains("a.ply:3: has 4000000000 elements"));
     CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n"), Contains("a.ply: has points and no facets"));
-    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nproperty float x\n"), Contains("a.ply:3: is a property of no element"));
-    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelemen vertex 8\n"), Contains("a.ply:3: is no line of a .ply's head"));
-    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nproperty list uchar int vertex_index\nend_header\n"), Contains("have not one list"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nproperty float x\n"), Contains("a.ply:3: is a property without an element"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelemen vertex 8\n"), Contains("a.ply:3: is not a line of a .ply header"));
+    CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nproperty list uchar int vertex_index\nend_header\n"), Contains("must have one list"));
     CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nelement vertices 1\n"), Contains("a.ply:4: a second element 'vertices'"));
     CHECK_THAT(said("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar float vertex_indices\nend_header\n0 0 0\n3 0 0 0.9\n"),
                Contains("a.ply:11: names a point that the file does not have"));
     CHECK_THAT(said("a.glb", glb("{\"asset\":{}}")), Contains("a.glb: has no scene"));
     std::string wrong = ply("ascii");
     wrong.replace(wrong.rfind("4 1 3"), 5, "4 1 8");
-    CHECK_THAT(said("a.ply", wrong), Contains("a.ply:23: names a point that the file does not have: it has 8"));
+    CHECK_THAT(said("a.ply", wrong), Contains("a.ply:23: names a point that the file does not have; it has 8"));
     const std::string good = glb();
-    CHECK_THAT(said("a.glb", good.substr(0, 40)), Contains("a.glb: is no .glb: "));
-    CHECK_THAT(said("a.glb", "glTF"), Contains("a.glb: is no .glb: "));
+    CHECK_THAT(said("a.glb", good.substr(0, 40)), Contains("a.glb: is not a .glb: "));
+    CHECK_THAT(said("a.glb", "glTF"), Contains("a.glb: is not a .glb: "));
     const auto changed = [&](const std::string& from, const std::string& to) {
         std::string json = good.substr(20, good.find("BIN") - 24);
         REQUIRE(json.find(from) != std::string::npos);
         return glb(json.replace(json.find(from), from.size(), to));
     };
-    CHECK_THAT(said("a.glb", changed("\"count\":8", "\"count\":9")), Contains("a.glb: mesh '': its numbers lie beyond their part of the file, of 96 bytes"));
+    CHECK_THAT(said("a.glb", changed("\"count\":8", "\"count\":9")), Contains("a.glb: mesh '': its data extend beyond their part of the file, of 96 bytes"));
     CHECK_THAT(said("a.glb", changed("\"count\":24", "\"count\":25")), Contains("beyond their part of the file, of 72 bytes"));
-    CHECK_THAT(said("a.glb", changed("\"children\":[1,2,3]", "\"children\":[0]")), Contains("a.glb: node 0 is reached twice; a scene is a tree"));
+    CHECK_THAT(said("a.glb", changed("\"children\":[1,2,3]", "\"children\":[0]")), Contains("a.glb: node 0 is reached twice; a scene must be a tree"));
     CHECK_THAT(said("a.glb", changed("\"mesh\":2", "\"mesh\":7")), Contains("a.glb: has no meshes 7"));
-    CHECK_THAT(said("a.glb", changed("\"componentType\":5126", "\"componentType\":5123")), Contains("positions are no floats"));
-    CHECK_THAT(said("a.glb", changed("{\"byteLength\":168}", "{\"byteLength\":168,\"uri\":\"/etc/passwd\"}")), Contains("a.glb: has its numbers outside of it"));
+    CHECK_THAT(said("a.glb", changed("\"componentType\":5126", "\"componentType\":5123")), Contains("positions are not floats"));
+    CHECK_THAT(said("a.glb", changed("{\"byteLength\":168}", "{\"byteLength\":168,\"uri\":\"/etc/passwd\"}")), Contains("a.glb: has its data in another file"));
     CHECK_THAT(said("a.glb", changed("\"scene\":0", "\"scene\":0,\"extensionsRequired\":[\"EXT_meshopt_compression\"]")), Contains("a.glb: needs the extension EXT_meshopt_compression"));
     CHECK_THAT(said("a.glb", changed("\"mesh\":0", "\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}")), Contains("a.glb: has instances"));
     CHECK_THAT(said("a.glb", changed("\"children\":[1,2,3]", "\"children\":[1,1]")), Contains("a.glb: node 1 is reached twice"));
-    CHECK_THAT(said("a.glb", glb("{\"extras\":" + std::string(200000, '[') + std::string(200000, ']') + "}")), Contains("a.glb: is no .glb: its JSON is nested too deep"));
-    CHECK_THAT(said("a.glb", glb("{\"scenes\":7}")), Contains("a.glb: has no scenes 0") || Contains("a.glb: is no .glb as glTF 2.0 says"));
+    CHECK_THAT(said("a.glb", glb("{\"extras\":" + std::string(200000, '[') + std::string(200000, ']') + "}")), Contains("a.glb: is not a .glb: its JSON is nested too deep"));
+    CHECK_THAT(said("a.glb", glb("{\"scenes\":7}")), Contains("a.glb: has no scenes 0") || Contains("a.glb: is not a valid .glb (glTF 2.0)"));
     CHECK_NOTHROW(read_surface_file(folder.file("a.glb", changed("\"scene\":0", "\"scene\":0,\"extensionsRequired\":[\"KHR_materials_unlit\"]"))));
 }
 

@@ -19,7 +19,7 @@ using Catch::Matchers::EndsWith;
 
 using Corners = std::array<std::array<double, 3>, 3>;
 
-/// Sides of a box of 2 x 3 x 4, two facets each, outwards: z = 0, z = 4, then the four upright ones.
+/// Sides of a box of 2 x 3 x 4, two facets each, normals out: z = 0, z = 4, then the four vertical ones.
 std::vector<Corners> box_facets() {
     const auto corner = [](int i) { return std::array<double, 3>{i & 1 ? 2. : 0., i & 2 ? 3. : 0., i & 4 ? 4. : 0.}; };
     std::vector<Corners> facets;
@@ -57,7 +57,7 @@ std::string binary(const std::string& head, std::uint32_t count) {
     return bytes;
 }
 
-/// Area of what is held.
+/// Area of the fixed triangles.
 double held_area(const MshFile& mesh, const std::string& name) {
     const Surface s = make_surface(mesh, {name}, 1);
     double area = 0;
@@ -74,7 +74,7 @@ std::string upper(std::string text) {
 
 }  // namespace
 
-TEST_CASE("an ASCII .stl has points once, facets in its order and solids by name", "[stl]") {
+TEST_CASE("an ASCII .stl is read with shared points and the names of its solids", "[stl]") {
     const TemporaryFolder folder;
     const MshFile mesh = read_surface_file(folder.file("box.stl", solid(" bed", 0, 2) + solid(" top", 2, 4) + solid(" sides", 4, 12)));
     CHECK(mesh.points.size() == 8);
@@ -84,7 +84,7 @@ TEST_CASE("an ASCII .stl has points once, facets in its order and solids by name
     CHECK(held_area(mesh, "sides") == Approx(40));
 }
 
-TEST_CASE("a solid without a name does not shift the names of the others; it is called by its number", "[stl]") {
+TEST_CASE("a solid of an .stl without a name gets its number as name; the others keep theirs", "[stl]") {
     const TemporaryFolder folder;
     for (const char* none : {"", " ", "\t", " \r"}) {
         CAPTURE(none);
@@ -95,13 +95,13 @@ TEST_CASE("a solid without a name does not shift the names of the others; it is 
     }
     const MshFile none = read_surface_file(folder.file("box.stl", solid("", 0, 4) + solid("", 4, 12)));
     CHECK(none.triangle_names.empty());
-    // a number that is another one's name: which is meant nobody knows
+    // ambiguous: the number is the name of another solid
     CHECK_THAT(refusal<FileError>([&] { read_surface_file(folder.file("box.stl", solid("", 0, 2) + solid(" 1", 2, 4) + solid(" sides", 4, 12))); }),
-               Contains("box.stl") && Contains("part 1 has no name, and another part is called '1'"));
-    CHECK(held_area(none, "surface-1") == Approx(12));  // between creases
+               Contains("box.stl") && Contains("part 1 has no name, and another part has the name '1'"));
+    CHECK(held_area(none, "surface-1") == Approx(12));  // a part between creases
 }
 
-TEST_CASE("line ends, blanks and capitals change neither names nor facets", "[stl]") {
+TEST_CASE("line ends and blanks and the case of keywords do not change what is read from an .stl", "[stl]") {
     const TemporaryFolder folder;
     const std::string plain = solid(" left lobe", 0, 2) + solid(" rest", 2, 12), dos = solid(" left lobe", 0, 2, "\r\n") + solid(" rest", 2, 12, "\r\n");
     const std::string blank = "\n \n" + solid("  \tleft lobe  ", 0, 2, "\n\n \t") + solid(" rest ", 2, 12);
@@ -117,7 +117,7 @@ TEST_CASE("line ends, blanks and capitals change neither names nor facets", "[st
     CHECK_FALSE(is_surface_file("a.stl.msh"));
 }
 
-TEST_CASE("a binary .stl is read whatever its head begins with", "[stl]") {
+TEST_CASE("a binary .stl is read with any text in its header", "[stl]") {
     const TemporaryFolder folder;
     for (const char* head : {"", "made by somebody", "solid of somebody", "solid\n"}) {
         CAPTURE(head);
@@ -129,7 +129,7 @@ TEST_CASE("a binary .stl is read whatever its head begins with", "[stl]") {
     }
 }
 
-TEST_CASE("corners that differ by rounding are one; a facet of less than three is dropped", "[stl]") {
+TEST_CASE("corners that differ by rounding are merged; a facet with fewer than three corners is dropped", "[stl]") {
     const TemporaryFolder folder;
     std::string text = solid(" box", 0, 12);
     const std::string corner = "2.000000 3.000000 4.000000";
@@ -141,13 +141,13 @@ TEST_CASE("corners that differ by rounding are one; a facet of less than three i
     CHECK(mesh.triangles.size() == 12);
 }
 
-TEST_CASE("what is no .stl, or is cut off, is refused with file, place and cause", "[stl]") {
+TEST_CASE("an invalid or truncated .stl is refused with file, place and cause", "[stl]") {
     const TemporaryFolder folder;
     const auto said = [&](const std::string& text) { return refusal<FileError>([&] { read_surface_file(folder.file("box.stl", text)); }); };
     const std::string good = solid(" box", 0, 12), cut = good.substr(0, good.find("endloop"));
-    CHECK_THAT(said(""), Contains("box.stl: is no .stl"));
-    CHECK_THAT(said("SystemCall \"rm\";\n"), Contains("box.stl: is no .stl"));
-    CHECK_THAT(said(cut), EndsWith("box.stl: breaks off where 'endloop' should stand"));
+    CHECK_THAT(said(""), Contains("box.stl: is not an .stl"));
+    CHECK_THAT(said("SystemCall \"rm\";\n"), Contains("box.stl: is not an .stl"));
+    CHECK_THAT(said(cut), EndsWith("box.stl: is truncated: 'endloop' is missing"));
     CHECK_THAT(said(good.substr(0, good.find("endsolid"))), Contains("'endsolid' is missing"));
     CHECK_THAT(said("solid a\nendsolid a\n"), EndsWith("box.stl: has no facets"));
     CHECK_THAT(said("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n"), Contains("box.stl:4: is not 'vertex x y z'"));
@@ -156,13 +156,13 @@ TEST_CASE("what is no .stl, or is cut off, is refused with file, place and cause
     CHECK_THAT(said("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1e13\n"), Contains("beyond 1e+12"));
     CHECK_THAT(said(good + "SystemCall\n"), Contains("is not 'solid'"));
     CHECK_THAT(said(good + good.substr(good.find("facet"))), Contains("is not 'solid'"));
-    CHECK_THAT(said(binary("x", 12).substr(0, 300)), Contains("it has 12 facets, which take 684 bytes; it has 300"));
-    CHECK_THAT(said(binary("solid x", 62)), Contains("it has 62 facets, which take 3184 bytes; it has 684"));
-    CHECK_THAT(said(binary("x", 4'000'000'000u)), Contains("it has 684"));
+    CHECK_THAT(said(binary("x", 12).substr(0, 300)), Contains("states 12 facets, which need 684 bytes; the file has 300"));
+    CHECK_THAT(said(binary("solid x", 62)), Contains("states 62 facets, which need 3184 bytes; the file has 684"));
+    CHECK_THAT(said(binary("x", 4'000'000'000u)), Contains("the file has 684"));
     std::string broken = binary("x", 12);
     const std::uint32_t not_a_number = 0x7fc00000u;
     std::memcpy(&broken[84 + 50 + 12], &not_a_number, 4);
-    CHECK_THAT(said(broken), Contains("facet 2 has a coordinate that is no finite number"));
+    CHECK_THAT(said(broken), Contains("facet 2 has a coordinate that is not a finite number"));
 }
 
 }  // namespace tissue

@@ -32,9 +32,9 @@ struct Problem {
     Eigen::VectorXd start, optimum;
 };
 
-/// A problem whose optimum is known by construction, with full column rank: a third of the springs at lo = 1 pressed
-/// down, a third at hi = 3 pressed up, the rest inside without slope. From the wanted gradient g the residual follows,
-/// r = -B (B'B)^-1 g, and b = B theta + r.
+/// A problem with full column rank and known optimum: a third of the springs at lo = 1 with positive gradient, a third
+/// at hi = 3 with negative gradient, the rest inside with zero gradient. The gradient g gives the residual r = -B
+/// (B'B)^-1 g, and b = B theta + r.
 inline Problem problem_with_active_bounds(Eigen::Index rows, Eigen::Index springs, unsigned long seed) {
     const tissue::Rng rng = tissue::seeded_rng(seed);
     const Eigen::MatrixXd B = random_matrix(rows, springs, rng.get());
@@ -48,8 +48,8 @@ inline Problem problem_with_active_bounds(Eigen::Index rows, Eigen::Index spring
             optimum};
 }
 
-/// A lattice, pushed about at random, and the forces of a known spring set on it: zero residual is possible, at
-/// `optimum` (and, where springs outnumber the rows, elsewhere too). start: all springs 1 N/m, box 0.05 to 40.
+/// A lattice with random displacements and the forces of a known spring set. If `optimum` is in the box its residual is
+/// zero; where springs outnumber the rows, other sets have zero residual too. start: all springs 1 N/m, box 0.05 to 40.
 inline Problem lattice_problem(const std::string& topology, const std::string& law, int cells, unsigned long seed,
                                double softest = 0.3) {
     const tissue::Rng rng = tissue::seeded_rng(seed);

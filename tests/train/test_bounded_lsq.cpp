@@ -11,12 +11,12 @@ using namespace tissue::test;
 namespace {
 
 constexpr double kkt = 1e-12;          // BoundedLsqOptions::kkt_tolerance
-constexpr double near_optimum = 1e-9;  // theta, where B is well conditioned: kkt times its condition
-constexpr double tight_gap = 1e-7;     // what that kkt leaves in the certificate
+constexpr double near_optimum = 1e-9;  // of theta for a well-conditioned B: kkt times its condition number
+constexpr double tight_gap = 1e-7;     // of the certificate at that kkt
 
 }  // namespace
 
-TEST_CASE("the exact solver finds a known optimum with springs on both sides of the box") {
+TEST_CASE("the exact solver finds a known optimum with springs at both bounds of the box") {
     for (unsigned long seed = 1; seed <= 20; ++seed) {
         const Problem p = problem_with_active_bounds(60, 45, seed);
         const BoundedLsqSummary s = solve_bounded_lsq(p.loss, p.start, p.box);
@@ -27,16 +27,16 @@ TEST_CASE("the exact solver finds a known optimum with springs on both sides of 
     }
 }
 
-TEST_CASE("in a box that holds nothing the exact solver is least squares") {
+TEST_CASE("with inactive bounds the exact solver gives the least-squares solution") {
     const tissue::Rng rng = tissue::seeded_rng(1);
     const Eigen::MatrixXd B = random_matrix(30, 20, rng.get());
     const Eigen::VectorXd b = random_matrix(30, 1, rng.get());
     const BoundedLsqSummary s = solve_bounded_lsq(plain_loss(B, b), Eigen::VectorXd::Zero(20), make_box(20, -1e6, 1e6));
     CHECK((s.theta - B.colPivHouseholderQr().solve(b)).norm() < near_optimum);
-    CHECK(s.iterations <= 5);  // Newton steps; what the shift leaves, the next one takes
+    CHECK(s.iterations <= 5);  // Newton steps; each removes the error left by the shift of the one before
 }
 
-TEST_CASE("forces that some spring set makes are met exactly") {
+TEST_CASE("forces of a spring set in the box are matched exactly") {
     for (const char* law : {"isotropic", "axial", "geometric"})
         for (const char* topology : {"grid4", "grid8"}) {
             const Problem p = lattice_problem(topology, law, 6, 2);
@@ -48,7 +48,7 @@ TEST_CASE("forces that some spring set makes are met exactly") {
         }
 }
 
-TEST_CASE("springs that the data says nothing about keep their start") {
+TEST_CASE("the exact solver keeps springs without influence on the data at their start") {
     const tissue::Rng rng = tissue::seeded_rng(3);
     Eigen::MatrixXd B = random_matrix(20, 12, rng.get());
     B.col(4).setZero();
@@ -67,8 +67,8 @@ TEST_CASE("springs that the data says nothing about keep their start") {
     CHECK(none.residual_norm == Approx(B.col(0).norm()));
 }
 
-TEST_CASE("without full column rank the loss and the optimality conditions still hold") {
-    // two springs that do the same work, a third that does both of theirs: the loss knows only combinations
+TEST_CASE("with rank-deficient columns the exact solver still satisfies loss and optimality conditions") {
+    // one column repeated and one equal to the sum of two others: the loss depends only on combinations
     Problem p = problem_with_active_bounds(40, 15, 4);
     Eigen::MatrixXd B(40, 17);
     B.leftCols(15) = Eigen::MatrixXd(p.loss.matrix());
@@ -79,11 +79,12 @@ TEST_CASE("without full column rank the loss and the optimality conditions still
     const BoundedLsqSummary s = solve_bounded_lsq(loss, Eigen::VectorXd::Constant(17, 2), box);
     CHECK(s.status == LsqStatus::converged);
     CHECK(kkt_residual(loss, s.theta, box) < 10 * kkt);
-    CHECK(s.residual_norm == Approx(p.loss(p.optimum)).epsilon(1e-10));  // the added columns add nothing to reach
+    // the added columns do not extend the column space
+    CHECK(s.residual_norm == Approx(p.loss(p.optimum)).epsilon(1e-10));
     CHECK(loss_gap(s.residual_norm, loss_lower_bound(loss, s.theta, box), loss.scale()) < tight_gap);
 }
 
-TEST_CASE("more springs than equations, held by the box, still end at a certified optimum") {
+TEST_CASE("a problem with more springs than equations ends at a certified optimum in its box") {
     const tissue::Rng rng = tissue::seeded_rng(5);
     for (int trial = 0; trial < 20; ++trial) {
         const ForceLoss loss = plain_loss(random_matrix(25, 60, rng.get()), 40 * random_matrix(25, 1, rng.get()));
@@ -94,7 +95,7 @@ TEST_CASE("more springs than equations, held by the box, still end at a certifie
     }
 }
 
-TEST_CASE("columns of very different length do not disturb the exact solver") {
+TEST_CASE("the exact solver finds the optimum for columns of very different length") {
     Problem p = problem_with_active_bounds(60, 45, 6);
     Eigen::MatrixXd B = Eigen::MatrixXd(p.loss.matrix());
     Eigen::VectorXd unit(45);
@@ -107,7 +108,7 @@ TEST_CASE("columns of very different length do not disturb the exact solver") {
     CHECK((s.theta.cwiseQuotient(unit) - p.optimum).cwiseAbs().maxCoeff() < near_optimum);
 }
 
-TEST_CASE("the exact solver gives the same bits twice, and does not move from an optimum") {
+TEST_CASE("the exact solver is deterministic and does not move from an optimum") {
     const Problem p = problem_with_active_bounds(60, 45, 7);
     const BoundedLsqSummary first = solve_bounded_lsq(p.loss, p.start, p.box);
     CHECK(first.theta == solve_bounded_lsq(p.loss, p.start, p.box).theta);
@@ -116,7 +117,7 @@ TEST_CASE("the exact solver gives the same bits twice, and does not move from an
     CHECK((again.theta - first.theta).norm() < 1e-14);
 }
 
-TEST_CASE("an exact solve that is cut short says that it has not converged") {
+TEST_CASE("an exact solve stopped by its iteration limit has status iterations_done") {
     const Problem p = problem_with_active_bounds(60, 45, 8);
     BoundedLsqOptions options;
     options.max_iterations = 1;
@@ -127,7 +128,7 @@ TEST_CASE("an exact solve that is cut short says that it has not converged") {
     CHECK(s.residual_norm < p.loss(p.start));
 }
 
-TEST_CASE("an exact solve that finds no lower loss before its tolerance is met says that it stalled") {
+TEST_CASE("an exact solve that finds no lower loss before its tolerance has status stalled") {
     const ForceLoss loss = plain_loss(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, 2));
     BoundedLsqOptions options;
     options.kkt_tolerance = -1;
@@ -139,7 +140,7 @@ TEST_CASE("an exact solve that finds no lower loss before its tolerance is met s
     CHECK(train_status(LsqStatus::iterations_done) == TrainStatus::iterations_done);
 }
 
-TEST_CASE("the exact solver refuses sizes that disagree, an empty box and a start outside it") {
+TEST_CASE("the exact solver refuses inconsistent sizes and an empty box and a start outside it") {
     const Problem p = problem_with_active_bounds(12, 6, 9);
     CHECK_THROWS_AS(solve_bounded_lsq(p.loss, Eigen::VectorXd::Ones(5), p.box), MismatchError);
     CHECK_THROWS_AS(solve_bounded_lsq(p.loss, p.start, make_box(7, 1, 3)), MismatchError);

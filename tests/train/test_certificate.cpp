@@ -16,11 +16,11 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-TEST_CASE("the gradient of half the squared loss is its finite difference") {
+TEST_CASE("the gradient of half the squared loss equals its finite difference") {
     const Problem p = problem_with_active_bounds(12, 7, 1);
     const Eigen::VectorXd gradient = loss_gradient(p.loss, p.start);
     for (Eigen::Index s = 0; s < p.start.size(); ++s) {
-        const double h = 0.5;  // any: the central difference of a quadratic is exact
+        const double h = 0.5;  // any step: the central difference of a quadratic is exact
         Eigen::VectorXd plus = p.start, minus = p.start;
         plus[s] += h, minus[s] -= h;
         const double up = p.loss(plus), down = p.loss(minus);
@@ -28,19 +28,19 @@ TEST_CASE("the gradient of half the squared loss is its finite difference") {
     }
 }
 
-TEST_CASE("for one spring the bound is the tangent's lowest point in the box") {
+TEST_CASE("for one spring the bound is the lowest point of the tangent in the box") {
     // L = |2 - theta| on [0, 1] at theta = 1/2: r = 9/8, slope -3/2, tangent at 1: 9/8 - 3/4 = 3/8
     const ForceLoss loss = plain_loss(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, 2));
     const Eigen::VectorXd half = Eigen::VectorXd::Constant(1, 0.5);
     CHECK(loss_lower_bound(loss, half, make_box(1, 0, 1)) == Approx(std::sqrt(0.75)).epsilon(rounding));
-    // and upside down: |-1 - theta| with the lowest point at 0
+    // mirrored: |-1 - theta| with the lowest point at 0
     const ForceLoss mirrored = plain_loss(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, -1));
     CHECK(loss_lower_bound(mirrored, half, make_box(1, 0, 1)) == Approx(std::sqrt(0.75)).epsilon(rounding));
-    // and the optimum is at the side theta = 1, L = 1, where it is sharp
+    // at the optimum on the bound, theta = 1 and L = 1, the lower bound is sharp
     CHECK(loss_lower_bound(loss, Eigen::VectorXd::Ones(1), make_box(1, 0, 1)) == Approx(1).epsilon(rounding));
 }
 
-TEST_CASE("no spring set in the box is better than the bound, taken anywhere") {
+TEST_CASE("the lower bound taken at random sets is not above the optimal loss") {
     const Problem p = problem_with_active_bounds(15, 9, 2);
     const tissue::Rng rng = tissue::seeded_rng(3);
     const double least = p.loss(p.optimum);
@@ -51,20 +51,20 @@ TEST_CASE("no spring set in the box is better than the bound, taken anywhere") {
     }
 }
 
-TEST_CASE("the bound is sharp at the optimum with springs on both sides of the box") {
+TEST_CASE("the lower bound is sharp at an optimum with springs at both bounds of the box") {
     const Problem p = problem_with_active_bounds(40, 30, 4);
     const double least = p.loss(p.optimum), bound = loss_lower_bound(p.loss, p.optimum, p.box);
     CHECK(bound == Approx(least).epsilon(1e-10));
     CHECK(loss_gap(least, bound, p.loss.scale()) < 1e-9);
 }
 
-TEST_CASE("the bound is zero where springs meet the force exactly, and the gap is then a part of the force") {
+TEST_CASE("the lower bound is zero for an exact fit and the gap is then relative to the force") {
     const Problem p = lattice_problem("grid4", "isotropic", 4, 5);
     CHECK(loss_lower_bound(p.loss, p.optimum, p.box) <= sharp * p.loss.scale());
     CHECK(loss_gap(0.001 * p.loss.scale(), 0, p.loss.scale()) == Approx(0.02).epsilon(rounding));
 }
 
-TEST_CASE("springs that the data says nothing about leave the bound alone") {
+TEST_CASE("springs without influence on the data do not change the lower bound") {
     const Problem p = problem_with_active_bounds(15, 9, 6);
     Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(15, 11);
     wider.leftCols(9) = Eigen::MatrixXd(p.loss.matrix());
@@ -76,30 +76,30 @@ TEST_CASE("springs that the data says nothing about leave the bound alone") {
     CHECK(kkt_residual(loss, theta, make_box(11, 1, 3)) == Approx(kkt_residual(p.loss, p.optimum, p.box)));
 }
 
-TEST_CASE("a box that is open downhill gives no bound, one that is open uphill does no harm") {
+TEST_CASE("a box unbounded downhill has lower bound zero and a box unbounded uphill keeps its bound") {
     const ForceLoss loss = plain_loss(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Constant(1, 2));
     const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);  // the optimum, theta = 2, lies above
     CHECK(loss_lower_bound(loss, one, make_box(1, 0, infinity)) == 0);
     CHECK(loss_lower_bound(loss, one, make_box(1, -infinity, 1)) == Approx(1).epsilon(rounding));
 }
 
-TEST_CASE("a stiffness outside the box is moved into it before it certifies") {
+TEST_CASE("a stiffness outside the box is projected into it before the bound is computed") {
     const Problem p = problem_with_active_bounds(15, 9, 7);
     Eigen::VectorXd outside = p.optimum;
     for (Eigen::Index s = 0; s < 9; ++s) outside[s] += s % 3 == 0 ? -0.5 : s % 3 == 1 ? 0.5 : 0;
     CHECK(loss_lower_bound(p.loss, outside, p.box) == Approx(p.loss(p.optimum)).epsilon(1e-10));
 }
 
-TEST_CASE("the gap is the loss left to gain over the bound, and never negative") {
+TEST_CASE("the gap is the excess of the loss over its bound and is never negative") {
     CHECK(loss_gap(1.02, 1, 1) == Approx(0.02).epsilon(rounding));
     CHECK(loss_gap(1, 1 + 1e-15, 1) == 0);
     CHECK(loss_gap(0, 0, 0) == 0);
 }
 
-TEST_CASE("the KKT residual is one spring's own way to its best place, and vanishes at the optimum alone") {
+TEST_CASE("the KKT residual is the distance of a spring to its own optimum and vanishes at the optimum") {
     const ForceLoss one = plain_loss(Eigen::MatrixXd::Constant(1, 1, 2), Eigen::VectorXd::Constant(1, 4));
     const Eigen::VectorXd theta =
-        Eigen::VectorXd::Constant(1, 1.5);  // best is 2: half a unit, times 2, of a force of 4
+        Eigen::VectorXd::Constant(1, 1.5);  // optimum 2: a distance of 0.5, times a column of 2, over a force of 4
     CHECK(kkt_residual(one, theta, make_box(1, 0, 9)) == Approx(0.25).epsilon(rounding));
     CHECK(kkt_residual(one, theta, make_box(1, 0, 1.5)) == 0);
 

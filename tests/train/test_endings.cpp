@@ -9,8 +9,8 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-TrainingBook sets_of(const std::string& optimizer, const Words& status, double gap = 0) {
-    TrainingBook t;
+SetDiagnostics sets_of(const std::string& optimizer, const Words& status, double gap = 0) {
+    SetDiagnostics t;
     t.optimizer = optimizer;
     t.status = status;
     t.gap = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(status.size()), gap);
@@ -19,21 +19,21 @@ TrainingBook sets_of(const std::string& optimizer, const Words& status, double g
 
 const ProblemRecord posed{"force", {"posed", "posed"}, "posed"};
 
-OptimumProof proof(const Words& status) {
-    OptimumProof optimum;
+OptimumCertificate proof(const Words& status) {
+    OptimumCertificate optimum;
     optimum.status = status;
     return optimum;
 }
 
 }  // namespace
 
-TEST_CASE("a training whose every part converged has nothing to say", "[endings]") {
+TEST_CASE("a training with all parts converged reports no endings", "[endings]") {
     const Endings e = endings_of(posed, {sets_of("spsa", {"converged", "converged"})}, proof({"converged", "converged"}));
     CHECK(e.broken.empty());
     CHECK(e.other.empty());
 }
 
-TEST_CASE("stop criteria and the paper's restarts are ends of their own, not broken promises", "[endings]") {
+TEST_CASE("stop criteria and exhausted restarts are reported but not as broken", "[endings]") {
     const Endings e = endings_of(posed,
                                  {sets_of("spsa", {"iterations_done", "target_met"}, 1),
                                   sets_of("spsa-2008", {"restarts_exhausted", "time_out"}, 1)},
@@ -43,8 +43,8 @@ TEST_CASE("stop criteria and the paper's restarts are ends of their own, not bro
                            "spsa-2008: of 2 sets 1 restarts_exhausted, 1 time_out"});
 }
 
-TEST_CASE("a set that stalled is fine near the certified optimum and broken far from it", "[endings]") {
-    const OptimumProof optimum = proof({"converged", "converged"});
+TEST_CASE("a stalled set is reported as broken only if far from the certified optimum", "[endings]") {
+    const OptimumCertificate optimum = proof({"converged", "converged"});
     const Endings near = endings_of(posed, {sets_of("spsa", {"stalled", "converged"}, 1e-4)}, optimum);
     CHECK(near.broken.empty());
     CHECK(near.other == Words{"spsa: of 2 sets 1 stalled"});
@@ -55,13 +55,13 @@ TEST_CASE("a set that stalled is fine near the certified optimum and broken far 
     }
 }
 
-TEST_CASE("what promises convergence and did not reach it is broken: problem, one set, certified optimum", "[endings]") {
+TEST_CASE("unconverged problem and common set and certified optimum and exact solve are reported as broken", "[endings]") {
     const Endings e = endings_of({"contact", {"floppy", "posed"}, "singular"}, {sets_of("exact", {"converged", "stalled"}, 1)},
                                  proof({"converged", "stalled"}));
-    CHECK(e.broken == Words{"objective contact: of 2 sets 1 floppy", "objective contact: the one set for all cases singular",
+    CHECK(e.broken == Words{"objective contact: of 2 sets 1 floppy", "objective contact: the single set for all cases singular",
                             "certified optimum: of 2 sets 1 stalled", "exact: of 2 sets 1 stalled"});
 }
 
-TEST_CASE("a model of an earlier program says nothing of its optimum, and nothing is said of it", "[endings]") {
+TEST_CASE("a model of an earlier program without statuses reports nothing as broken", "[endings]") {
     CHECK(endings_of({}, {sets_of("exact", {"converged", "converged"})}, {}).broken.empty());
 }

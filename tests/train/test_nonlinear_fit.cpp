@@ -13,7 +13,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Rosenbrock's valley: smallest at (1, 1), where it is 0.
+/// Rosenbrock's function: minimum 0 at (1, 1).
 void valley(const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
     f << 10 * (x[1] - x[0] * x[0]), 1 - x[0];
     J << -20 * x[0], 10, -1, 0;
@@ -21,7 +21,7 @@ void valley(const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<
 
 }  // namespace
 
-TEST_CASE("a fit follows a curved valley to its end, and says that its gradient is small") {
+TEST_CASE("a fit finds the minimum of Rosenbrock's function") {
     const FitResult fit = nonlinear_fit(valley, 2, Eigen::Vector2d(-1.2, 1), {200, 0, 1e-12, 0});
     CHECK((fit.x - Eigen::Vector2d(1, 1)).norm() < 1e-6);
     CHECK(fit.half_square < 1e-12);
@@ -30,8 +30,8 @@ TEST_CASE("a fit follows a curved valley to its end, and says that its gradient 
     CHECK((fit.status == FitStatus::small_gradient || fit.status == FitStatus::small_gain));
 }
 
-TEST_CASE("a fit that leaves something over ends where its gradient vanishes") {
-    // a line through three points that are on none
+TEST_CASE("a fit with nonzero residuals ends where its gradient vanishes") {
+    // a line through three points that are not on a line
     const FitFunction line = [](const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
         f << x[0] - 1, x[0] + x[1] - 3, x[0] + 2 * x[1] - 2;
         J << 1, 0, 1, 1, 1, 2;
@@ -43,12 +43,12 @@ TEST_CASE("a fit that leaves something over ends where its gradient vanishes") {
     CHECK(fit.gradient < 1e-8);
 }
 
-TEST_CASE("each status names the fact that ended the fit") {
+TEST_CASE("each fit status gives the criterion that ended the fit") {
     CHECK(nonlinear_fit(valley, 2, Eigen::Vector2d(-1.2, 1), {2, 0, 0, 0}).status == FitStatus::iterations_done);
     CHECK(nonlinear_fit(valley, 2, Eigen::Vector2d(-1.2, 1), {200, 100, 0, 0}).status == FitStatus::small_step);
     CHECK(nonlinear_fit(valley, 2, Eigen::Vector2d(-1.2, 1), {200, 0, 0, 1}).status == FitStatus::small_gain);
     CHECK(nonlinear_fit(valley, 2, Eigen::Vector2d(1, 1), {200, 0, 1e-9, 0}).status == FitStatus::small_gradient);
-    // a derivative of the wrong sign: no step makes it smaller
+    // a derivative of the wrong sign: no step lowers the residual
     const FitFunction wrong = [](const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
         f << x[0], 1;
         J << -1, 0;
@@ -57,15 +57,15 @@ TEST_CASE("each status names the fact that ended the fit") {
     CHECK(std::string(to_string(FitStatus::no_progress)) == "no_progress");
 }
 
-TEST_CASE("what a fit's function throws comes out, and a fit without enough residuals is refused") {
+TEST_CASE("a fit rethrows exceptions of its function and refuses fewer residuals than parameters") {
     const FitFunction broken = [](const Eigen::VectorXd&, Eigen::Ref<Eigen::VectorXd>, Eigen::Ref<RowMatrix>) { throw MismatchError("broken"); };
     CHECK_THAT(refusal<MismatchError>([&] { nonlinear_fit(broken, 2, Eigen::Vector2d(0, 0)); }), Contains("broken"));
-    CHECK_THAT(refusal<MismatchError>([] { nonlinear_fit(valley, 1, Eigen::Vector2d(0, 0)); }), Contains("2 numbers to 1 residuals"));
+    CHECK_THAT(refusal<MismatchError>([] { nonlinear_fit(valley, 1, Eigen::Vector2d(0, 0)); }), Contains("2 parameters to 1 residuals"));
 }
 
-TEST_CASE("a step that loses a part which the fit has is no gain, however small what stands for it") {
+TEST_CASE("a fit rejects steps that lose a residual even where the objective falls") {
     std::vector<char> lost;
-    // two parts: the first has a value up to x = 1 alone, and beyond it stands for less than it ever was
+    // The first residual exists only up to x = 1. Beyond, its substitute is smaller than any of its values.
     const FitFunction cliff = [&](const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
         lost.assign(2, 0);
         lost[0] = x[0] > 1;
@@ -74,21 +74,22 @@ TEST_CASE("a step that loses a part which the fit has is no gain, however small 
     };
     const FitOptions options{100, 1e-6, 0, 0};
     const Eigen::VectorXd start = Eigen::VectorXd::Zero(1);
-    CHECK(nonlinear_fit(cliff, 2, start, options).x[0] > 1);  // what losing it would gain
+    CHECK(nonlinear_fit(cliff, 2, start, options).x[0] > 1);  // without the rule the fit loses the residual
     const FitResult fit = nonlinear_fit(cliff, 2, start, options, &lost);
     CHECK(fit.x[0] <= 1);
     CHECK(fit.x[0] > 0.5);
     CHECK(fit.lost == 0);
-    CHECK((fit.status == FitStatus::held_back || fit.status == FitStatus::no_progress));  // it stands at the edge, not where it is smallest
+    // it ends at the edge, not at a minimum
+    CHECK((fit.status == FitStatus::held_back || fit.status == FitStatus::no_progress));
     const FitResult loose = nonlinear_fit(cliff, 2, start, {100, 1e-2, 0, 1e-3}, &lost);
     CHECK((loose.status == FitStatus::held_back || loose.status == FitStatus::no_progress));
-    // a fit that begins without the part may end without it
+    // a fit that starts without the residual may end without it
     CHECK(nonlinear_fit(cliff, 2, Eigen::VectorXd::Constant(1, 3), options, &lost).lost == 1);
 }
 
-TEST_CASE("a fit that rejected a step on its way and then finds its smallest has converged") {
+TEST_CASE("a fit that rejects a step on its way to the minimum still converges") {
     std::vector<char> lost;
-    // smallest at 0.7; the first step, of the line there, goes to 2.2, beyond the edge
+    // minimum at 0.7; the first step overshoots to beyond the edge at 1
     const FitFunction bent = [&](const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
         lost.assign(1, x[0] > 1);
         f << std::tanh(3 * (x[0] - 0.7)), 0.5;
@@ -100,8 +101,8 @@ TEST_CASE("a fit that rejected a step on its way and then finds its smallest has
     CHECK((fit.status == FitStatus::small_gradient || fit.status == FitStatus::small_step || fit.status == FitStatus::small_gain));
 }
 
-TEST_CASE("an error of GSL is returned, it does not end the program") {
-    CHECK(std::isnan(gsl_cdf_chisq_Pinv(2, 2)));  // no probability
+TEST_CASE("an error of GSL is returned and does not end the program") {
+    CHECK(std::isnan(gsl_cdf_chisq_Pinv(2, 2)));  // 2 is no probability
     gsl_rng* none = gsl_rng_alloc(gsl_rng_mt19937);
     CHECK(gsl_rng_uniform_int(none, 0) == 0);
     gsl_rng_free(none);

@@ -22,7 +22,7 @@ Cases cases_of(const Study& study) {
     return example_cases(study, example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1)));
 }
 
-/// The example trained exactly on the contact's force, on this mesh.
+/// The example with objective contact and the exact optimiser, on a mesh of this topology.
 Study contact_study(const std::string& topology) {
     Study study = example_study();
     study.springs.topology = topology;
@@ -38,13 +38,13 @@ using Words = std::vector<std::string>;
 
 }  // namespace
 
-TEST_CASE("every objective is found under its own name, an unknown one refused with what is allowed", "[objective]") {
+TEST_CASE("every objective is found by name and an unknown one is refused with the allowed names", "[objective]") {
     for (const auto& objective : objectives().kinds()) CHECK(objectives().at(objective->name()) == objective);
     CHECK_THAT(refusal<MismatchError>([] { objectives().at("torque"); }),
                Contains("'torque'") && Contains("force, contact"));
 }
 
-TEST_CASE("what a study can name is what the registries hold", "[objective]") {
+TEST_CASE("a study accepts every objective and optimiser of the registries", "[objective]") {
     CHECK(objective_names() == objectives().names());
     for (const std::string& name : objective_names()) {
         const std::string text = with(example_study_text(), "seed = 11", "seed = 11\nobjective = \"" + name + "\"");
@@ -56,7 +56,7 @@ TEST_CASE("what a study can name is what the registries hold", "[objective]") {
     }
 }
 
-TEST_CASE("objective contact says of every case of a floppy mesh that it could not be posed", "[objective]") {
+TEST_CASE("objective contact gives status floppy for every case of a mesh with zero-energy modes", "[objective]") {
     const Study stiff = contact_study("grid8"), floppy = contact_study("grid4");
     const Cases cases = cases_of(stiff);
     const TrainedModel posed = train_sets(stiff, cases, 2), bare = train_sets(floppy, cases, 2);
@@ -70,7 +70,7 @@ TEST_CASE("objective contact says of every case of a floppy mesh that it could n
     CHECK_THAT(broken.front(), Contains("objective contact") && Contains("of 4 sets 4 floppy"));
 }
 
-TEST_CASE("a load case without a force says so, and leaves the others and the one set alone", "[objective]") {
+TEST_CASE("a load case without force has status no_force and does not change other sets", "[objective]") {
     for (const char* objective : {"force", "contact"}) {
         Study study = example_study();
         study.training.objective = objective;
@@ -85,12 +85,12 @@ TEST_CASE("a load case without a force says so, and leaves the others and the on
         CHECK(model.optimum.topRows(2) == without.optimum);
         CHECK(model.optimum.allFinite());
         CHECK(model.books.trained.front().gap.allFinite());
-        CHECK(std::isnan(model.books.optimum.rel_loss[3]));  // nothing is relative to no force
+        CHECK(std::isnan(model.books.optimum.rel_loss[3]));  // no loss is relative to a zero force
         CHECK_FALSE(endings_of(model.books.problems, model.books.trained, model.books.optimum).broken.empty());
     }
 }
 
-TEST_CASE("load cases without any force leave the heuristic as the one set, and say why", "[objective]") {
+TEST_CASE("load cases without any force give the heuristic as common set with status no_force", "[objective]") {
     const Study study = example_study();
     Cases cases = cases_of(study);
     for (LoadPath& path : cases.paths)
@@ -100,13 +100,13 @@ TEST_CASE("load cases without any force leave the heuristic as the one set, and 
     CHECK(model.one_set == model.heuristic_a);
 }
 
-TEST_CASE("a problem is posed where what was solved for it converged, and else says how that ended", "[objective]") {
+TEST_CASE("a problem is posed if its solve converged and else has the status of the solve", "[objective]") {
     CHECK(problem_status(LsqStatus::converged) == ProblemStatus::posed);
     CHECK(problem_status(LsqStatus::stalled) == ProblemStatus::stalled);
     CHECK(problem_status(LsqStatus::iterations_done) == ProblemStatus::iterations_done);
 }
 
-TEST_CASE("losses joined have the minimum of their sum, however few equations they are", "[objective]") {
+TEST_CASE("a joint loss has the minimum of the sum of its losses even for few equations", "[objective]") {
     const tissue::Rng rng = tissue::seeded_rng(3);
     std::vector<ForceLoss> losses;
     for (int i = 0; i < 3; ++i) losses.push_back(plain_loss(random_matrix(4, 40, rng.get()), random_matrix(4, 1, rng.get())));
@@ -127,7 +127,7 @@ TEST_CASE("losses joined have the minimum of their sum, however few equations th
     CHECK((*found)(Eigen::VectorXd::Ones(400)) < 1e-2 * found->scale());
 }
 
-TEST_CASE("losses that say nothing have no joint one", "[objective]") {
+TEST_CASE("losses without force or without springs have no joint loss", "[objective]") {
     const ForceLoss no_force = plain_loss(Eigen::MatrixXd::Ones(2, 3), Eigen::VectorXd::Zero(2));
     const ForceLoss no_springs = plain_loss(Eigen::MatrixXd::Zero(2, 3), Eigen::VectorXd::Ones(2));
     CHECK_FALSE(joint_loss({}));

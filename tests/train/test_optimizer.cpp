@@ -26,14 +26,14 @@ TEST_CASE("every optimiser is found under its own name") {
         CHECK(optimizers().at("nlopt:" + algorithm)->name() == "nlopt:" + algorithm);
 }
 
-TEST_CASE("an unknown optimiser is refused with what is allowed") {
+TEST_CASE("an unknown optimiser is refused with the allowed names") {
     CHECK_THROWS_AS(optimizers().at("spsa-1998"), MismatchError);
     CHECK_THROWS_WITH(optimizers().at("sgd"), Catch::Contains("'sgd'") && Catch::Contains("spsa-2008, spsa, exact"));
     CHECK_THROWS_AS(optimizers().at("nlopt:LD_NEWTON"), MismatchError);
     CHECK_THROWS_WITH(optimizers().at("nlopt:"), Catch::Contains("LD_LBFGS") && Catch::Contains("LN_BOBYQA"));
 }
 
-TEST_CASE("every optimiser refuses sizes that disagree, an empty box, a start outside it and a modulus of zero") {
+TEST_CASE("every optimiser refuses inconsistent sizes and an empty box and an outside start and zero modulus") {
     const Problem p = problem_with_active_bounds(12, 6, 1);
     for (const char* name : {"spsa-2008", "spsa", "exact", "nlopt:LD_LBFGS"}) {
         CAPTURE(name);
@@ -51,7 +51,7 @@ TEST_CASE("every optimiser refuses sizes that disagree, an empty box, a start ou
     }
 }
 
-TEST_CASE("training ends at the iterations asked for, none included") {
+TEST_CASE("training ends at the requested number of iterations including zero") {
     const Problem p = lattice_problem("grid4", "isotropic", 6, 2, -1.0);
     for (const char* name : iterative)
         for (int iterations : {0, 1, 33}) {
@@ -66,11 +66,11 @@ TEST_CASE("training ends at the iterations asked for, none included") {
         }
 }
 
-TEST_CASE("training ends when its time is over") {
+TEST_CASE("training ends at its time limit") {
     const Problem p = lattice_problem("grid8", "isotropic", 10, 2, -1.0);
     StopCriteria stop;
     stop.iterations = 1000000000;
-    stop.max_seconds = 1e-4;  // a few dozen evaluations, so that none can be done before
+    stop.max_seconds = 1e-4;  // a few dozen evaluations, so that no training is complete before
     for (const char* name : {"spsa-2008", "spsa", "nlopt:LN_SBPLX"}) {
         CAPTURE(name);
         CHECK(train(name, p, stop).status == TrainStatus::time_out);
@@ -79,7 +79,7 @@ TEST_CASE("training ends when its time is over") {
     for (const char* name : iterative) CHECK(train(name, p, stop).iterations == 0);
 }
 
-TEST_CASE("training ends where the loss asked for is reached") {
+TEST_CASE("training ends when the target loss is reached") {
     const Problem p = problem_with_active_bounds(40, 12, 3);
     const double before = p.loss(p.start) / p.loss.scale(), least = p.loss(p.optimum) / p.loss.scale();
     StopCriteria stop;
@@ -95,7 +95,7 @@ TEST_CASE("training ends where the loss asked for is reached") {
     for (const char* name : iterative) CHECK(train(name, p, stop).iterations == 0);
 }
 
-TEST_CASE("a learning curve begins at the start, has the paper's 1,000 and 5,000, and ends at the result") {
+TEST_CASE("a learning curve starts at iteration 0 and includes 1000 and 5000 and ends at the result") {
     const Problem p = lattice_problem("grid4", "isotropic", 8, 4, 0.0);
     StopCriteria stop;
     stop.iterations = 6000;
@@ -108,7 +108,7 @@ TEST_CASE("a learning curve begins at the start, has the paper's 1,000 and 5,000
     CHECK(s.loss == p.loss(s.theta));
 }
 
-TEST_CASE("the optimisers of NLopt that see the gradient find the exact solver's loss") {
+TEST_CASE("gradient-based optimisers of NLopt reach the loss of the exact solver to 1 %") {
     const Problem p = lattice_problem("grid4", "axial", 4, 5, -1.0);
     const double least = solve_bounded_lsq(p.loss, p.start, p.box).residual_norm;
     StopCriteria stop;
@@ -122,7 +122,7 @@ TEST_CASE("the optimisers of NLopt that see the gradient find the exact solver's
     }
 }
 
-TEST_CASE("the exact solver behind the interface says converged and returns the optimum") {
+TEST_CASE("the exact solver as an optimiser has status converged and returns the optimum") {
     const Problem p = problem_with_active_bounds(40, 30, 6);
     const TrainSummary s = train("exact", p);
     CHECK(s.status == TrainStatus::converged);
@@ -130,7 +130,7 @@ TEST_CASE("the exact solver behind the interface says converged and returns the 
     CHECK(s.curve.back().loss == s.loss);
 }
 
-TEST_CASE("every status has a word of its own") {
+TEST_CASE("every training status has its own text") {
     CHECK(std::string(to_string(TrainStatus::stalled)) == "stalled");
     CHECK(std::string(to_string(TrainStatus::iterations_done)) == "iterations_done");
     CHECK(std::string(to_string(TrainStatus::time_out)) == "time_out");

@@ -10,7 +10,7 @@ using namespace tissue::test;
 
 namespace {
 
-constexpr double goal = 0.02;        // gap asked of a trained set
+constexpr double goal = 0.02;        // required gap of a trained set
 constexpr double seed_noise = 1e-6;  // of theta: the seed changes rounding alone, amplified by the conjugate directions
 
 TrainSummary train(const Problem& p, unsigned long seed = 1, const StopCriteria& stop = {}) {
@@ -24,7 +24,7 @@ double gap_of(const Problem& p, double loss) {
 
 }  // namespace
 
-TEST_CASE("spsa reaches a known optimum with springs on both sides of the box, and certifies it itself") {
+TEST_CASE("SPSA converges to a known optimum with springs at both bounds of the box") {
     for (unsigned long seed = 1; seed <= 10; ++seed) {
         const Problem p = problem_with_active_bounds(60, 45, seed);
         const TrainSummary s = train(p);
@@ -35,17 +35,17 @@ TEST_CASE("spsa reaches a known optimum with springs on both sides of the box, a
     }
 }
 
-TEST_CASE("on lattices of every law spsa comes within 2 % of the optimum") {
+TEST_CASE("SPSA comes within 2 % of the optimum on lattices of every spring law") {
     for (const char* law : {"isotropic", "axial", "geometric"})
         for (const char* topology : {"grid4", "grid8"})
-            for (const double softest : {0.3, -1.0}) {  // truth inside the box, and a third of it below
+            for (const double softest : {0.3, -1.0}) {  // reference inside the box, and about half of it below
                 const Problem p = lattice_problem(topology, law, 6, 2, softest);
                 CAPTURE(law, topology, softest);
                 CHECK(gap_of(p, train(p).loss) < goal);
             }
 }
 
-TEST_CASE("spsa leaves the sides of the box that it started on") {
+TEST_CASE("SPSA leaves the bounds of the box on which it starts") {
     for (const double side : {1.0, 3.0}) {
         Problem p = problem_with_active_bounds(60, 45, 2);
         p.start.setConstant(side);
@@ -53,7 +53,7 @@ TEST_CASE("spsa leaves the sides of the box that it started on") {
     }
 }
 
-TEST_CASE("one spring is at its best place after it was felt once") {
+TEST_CASE("SPSA finds the optimum of one spring in less than ten evaluations") {
     const Problem p{plain_loss(Eigen::MatrixXd::Constant(1, 1, 2), Eigen::VectorXd::Constant(1, 4)), make_box(1, 0, 9),
                     Eigen::VectorXd::Ones(1), Eigen::VectorXd::Constant(1, 2)};
     const TrainSummary s = train(p);
@@ -61,7 +61,7 @@ TEST_CASE("one spring is at its best place after it was felt once") {
     CHECK(s.evaluations < 10);
 }
 
-TEST_CASE("springs that the data says nothing about are left where they were by spsa") {
+TEST_CASE("SPSA keeps springs without influence on the data at their start") {
     Problem p = problem_with_active_bounds(20, 12, 3);
     Eigen::MatrixXd B = Eigen::MatrixXd(p.loss.matrix());
     B.col(4).setZero();
@@ -73,7 +73,7 @@ TEST_CASE("springs that the data says nothing about are left where they were by 
     CHECK(gap_of(p, s.loss) < goal);
 }
 
-TEST_CASE("the loss of spsa never rises, and an iteration is two evaluations") {
+TEST_CASE("the loss of SPSA never rises and an iteration takes two evaluations") {
     const Problem p = lattice_problem("grid8", "axial", 8, 4, -1.0);
     const TrainSummary s = train(p);
     REQUIRE(s.curve.size() > 5);
@@ -82,7 +82,7 @@ TEST_CASE("the loss of spsa never rises, and an iteration is two evaluations") {
     CHECK(s.restarts == 0);
 }
 
-TEST_CASE("spsa with the same seed gives the same bits, with another the same springs") {
+TEST_CASE("SPSA is deterministic for a seed and another seed gives the same springs to 1e-6") {
     const Problem p = problem_with_active_bounds(60, 45, 5);
     const TrainSummary first = train(p, 7), same = train(p, 7), other = train(p, 8);
     CHECK(first.theta == same.theta);
@@ -90,7 +90,7 @@ TEST_CASE("spsa with the same seed gives the same bits, with another the same sp
     CHECK((first.theta - other.theta).cwiseAbs().maxCoeff() < seed_noise);
 }
 
-TEST_CASE("spsa stays at an optimum, and at a loss of no force at all ends") {
+TEST_CASE("SPSA stays at an optimum and ends at a loss of zero") {
     Problem p = problem_with_active_bounds(60, 45, 6);
     p.start = p.optimum;
     CHECK(train(p).loss <= p.loss(p.optimum) * (1 + 1e-12));
@@ -103,10 +103,10 @@ TEST_CASE("spsa stays at an optimum, and at a loss of no force at all ends") {
     CHECK(s.theta.norm() == 0);
 }
 
-TEST_CASE("spsa that runs out of iterations inside a move that fails says so, and takes none beyond them") {
+TEST_CASE("SPSA stopped within a failing move has status iterations_done and keeps to its limit") {
     const Problem p = problem_with_active_bounds(60, 45, 3);
     SpsaOptions options;
-    options.gap_tolerance = -1;  // its certificate never ends it: the last move is one that fails
+    options.gap_tolerance = -1;  // its certificate never ends it: the last move fails
     const auto trained = [&](int iterations) {
         StopCriteria stop;
         stop.iterations = iterations;

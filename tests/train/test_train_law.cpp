@@ -1,4 +1,4 @@
-#include "train/train_law.h"
+#include "train/train_energy_model.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "../mesh/embedded_block.h"
 #include "error.h"
 #include "mesh/free_surface.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "../mesh/disc.h"
 #include "../refusal.h"
 #include "../tolerances.h"
@@ -21,19 +21,19 @@ const std::vector<std::string> terms = {"spring.all", "spring.surface", "spring.
 
 struct Problem {
     SpringMesh mesh;
-    EnergyLaw law;
+    EnergyModelTerms law;
     std::vector<PressPath> paths;
     Eigen::VectorXd truth;
 };
 
-/// A "tissue" that is itself such a law: training can meet it exactly.
+/// A reference that is itself such an energy model, so that training can match it exactly.
 Problem problem(SpringMesh mesh) {
-    Problem p{mesh, EnergyLaw(mesh, law_heuristic(mesh, 450, "plane-strain", 12), terms), {}, {}};
+    Problem p{mesh, EnergyModelTerms(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12), terms), {}, {}};
     p.truth.resize(p.law.size());
     for (Eigen::Index i = 0; i < p.truth.size(); ++i) p.truth[i] = 0.4 * std::sin(1.0 + 2.0 * static_cast<double>(i));
     const TissueEnergy energy = p.law.energy(mesh);
     const ContactSurface surface(mesh);
-    PressSolver solver(energy, surface);
+    EquilibriumSolver solver(energy, surface);
     for (double part : {0.1, 0.27, 0.36, 0.52}) {
         PressPath& path = p.paths.emplace_back();
         const double arc_m = part * surface.outline().length();
@@ -42,7 +42,7 @@ Problem problem(SpringMesh mesh) {
         const ContactPatch patch = surface.at(arc_m);
         for (double depth : {0.003, 0.006}) {
             const Eigen::Vector2d push = depth * surface.outline().direction(arc_m, 2 * part - 0.6);
-            const PressState state = solver.press(p.law.constants(p.truth), PatchSpring(patch, p.law.patch(p.truth).at(patch)), push);
+            const EquilibriumState state = solver.press(p.law.constants(p.truth), PatchSpring(patch, p.law.patch(p.truth).at(patch)), push);
             path.records.push_back({push, state.contact_force_N, state.displacement});
         }
     }
@@ -51,13 +51,13 @@ Problem problem(SpringMesh mesh) {
 
 }  // namespace
 
-TEST_CASE("training finds the law again that made its cases, from contacts alone, on a block and on a shape") {
+TEST_CASE("training recovers the energy model of its reference on a block and on a shape") {
     for (const SpringMesh& mesh : {make_lattice("grid8", 6, 6, 0.1, 0.1), edge_mesh(disc(16))}) {
         const Problem p = problem(mesh);
         LawTrainingOptions options;
         options.ridge = 0;
         options.fit = {60, 1e-9, 1e-12, 0};
-        const TrainedLaw trained = train_law(p.mesh, p.law, p.paths, options);
+        const TrainedEnergyModel trained = train_energy_model(p.mesh, p.law, p.paths, options);
         CHECK((trained.coefficients - p.truth).norm() < 1e-4);
         CHECK(trained.objective < 1e-8);
         CHECK(trained.lost.empty());
@@ -66,20 +66,20 @@ TEST_CASE("training finds the law again that made its cases, from contacts alone
     }
 }
 
-TEST_CASE("forces alone are enough to train on where nothing else is known") {
+TEST_CASE("training on forces alone matches them up to the ridge") {
     Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
     for (PressPath& path : p.paths)
         for (PressPath::Record& record : path.records) record.displacement.resize(0, 0);
-    const TrainedLaw trained = train_law(p.mesh, p.law, p.paths);
+    const TrainedEnergyModel trained = train_energy_model(p.mesh, p.law, p.paths);
     CHECK(law_residual_count(p.law, p.paths, {}) == 2 * 8 + 8);
-    CHECK(trained.objective < 0.05);  // the ridge's own part: errors of a fifth of a percent
+    CHECK(trained.objective < 0.05);  // of the ridge: errors of a fifth of a percent
 }
 
-TEST_CASE("the heuristic's factor is that of the forces, and needs one that is not nothing") {
+TEST_CASE("the heuristic's factor is the force ratio without zero forces and is refused without any force") {
     Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
     const TissueEnergy energy = p.law.energy(p.mesh);
     const ContactSurface surface(p.mesh);
-    PressSolver solver(energy, surface);
+    EquilibriumSolver solver(energy, surface);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(p.law.size());
     for (PressPath& path : p.paths) {
         const ContactPatch patch = surface.at(surface.outline().arc_of(path.contact_m));
@@ -87,14 +87,14 @@ TEST_CASE("the heuristic's factor is that of the forces, and needs one that is n
             record.force_N = 2.5 * solver.press(p.law.constants(zero), PatchSpring(patch, p.law.patch(zero).at(patch)), record.push_m).contact_force_N;
     }
     CHECK(heuristic_factor(p.mesh, p.law, p.paths) == Approx(2.5).epsilon(tolerance::newton));
-    p.paths[0].records[0].force_N.setZero();  // no relative error, no say
+    p.paths[0].records[0].force_N.setZero();  // without a relative error it does not count
     CHECK(heuristic_factor(p.mesh, p.law, p.paths) == Approx(2.5).epsilon(tolerance::newton));
     for (PressPath& path : p.paths)
         for (PressPath::Record& record : path.records) record.force_N.setZero();
     CHECK_THAT(refusal<MismatchError>([&] { heuristic_factor(p.mesh, p.law, p.paths); }), Contains("no load path has a force"));
 }
 
-TEST_CASE("residuals are the errors in their scales, and their derivative agrees with differences") {
+TEST_CASE("training residuals vanish at the reference but for the ridge and derivatives agree with differences") {
     const Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
     LawTrainingOptions options;
     options.press.tolerance = 1e-12;
@@ -118,24 +118,24 @@ TEST_CASE("residuals are the errors in their scales, and their derivative agrees
     }
 }
 
-TEST_CASE("training says the same for any number of threads, and keeps the best of several starts") {
+TEST_CASE("training does not depend on the number of threads and keeps the best of several starts") {
     const Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
     LawTrainingOptions options;
     options.starts = 3;
-    const TrainedLaw one = train_law(p.mesh, p.law, p.paths, options);
+    const TrainedEnergyModel one = train_energy_model(p.mesh, p.law, p.paths, options);
     options.threads = 3;
-    const TrainedLaw three = train_law(p.mesh, p.law, p.paths, options);
+    const TrainedEnergyModel three = train_energy_model(p.mesh, p.law, p.paths, options);
     CHECK(one.coefficients == three.coefficients);
     REQUIRE(one.starts.size() == 3);
     for (const FitResult& start : one.starts) CHECK(2 * start.half_square >= one.objective);
 
-    // after one iteration a start that was drawn may be ahead of the one at nothing
+    // after one iteration a random start may be better than the start at zero
     options.fit.max_iterations = 1;
     options.seed = 0;
-    TrainedLaw hasty;
+    TrainedEnergyModel hasty;
     do {
         ++options.seed;
-        hasty = train_law(p.mesh, p.law, p.paths, options);
+        hasty = train_energy_model(p.mesh, p.law, p.paths, options);
         REQUIRE(hasty.kept < hasty.starts.size());
         for (const FitResult& start : hasty.starts) CHECK(2 * start.half_square >= hasty.objective);
     } while (hasty.kept == 0 && options.seed < 20);
@@ -143,11 +143,11 @@ TEST_CASE("training says the same for any number of threads, and keeps the best 
     CHECK(hasty.coefficients == hasty.starts[hasty.kept].x);
 }
 
-TEST_CASE("a push that a law cannot hold counts as if it had done nothing, and is named with its depth") {
+TEST_CASE("an indentation without equilibrium has an error of 1 and is listed with its depth") {
     Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
     p.paths.resize(1);
     p.paths[0].records.resize(1);
-    p.paths[0].records[0].push_m *= 100;  // six blocks deep
+    p.paths[0].records[0].push_m *= 100;  // 300 mm: three times the size of the block
     LawTrainingOptions options;
     options.press.smallest_step = 0.02;
     const int rows = law_residual_count(p.law, p.paths, {});
@@ -163,19 +163,19 @@ TEST_CASE("a push that a law cannot hold counts as if it had done nothing, and i
 
 TEST_CASE("training without paths or terms is refused") {
     const Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
-    CHECK_THAT(refusal<MismatchError>([&] { train_law(p.mesh, p.law, {}); }), Contains("no load paths"));
-    const EnergyLaw bare(p.mesh, law_heuristic(p.mesh, 450, "plane-strain", 12), {});
-    CHECK_THAT(refusal<MismatchError>([&] { train_law(p.mesh, bare, p.paths); }), Contains("without terms"));
+    CHECK_THAT(refusal<MismatchError>([&] { train_energy_model(p.mesh, p.law, {}); }), Contains("no load paths"));
+    const EnergyModelTerms bare(p.mesh, energy_model_heuristic(p.mesh, 450, "plane-strain", 12), {});
+    CHECK_THAT(refusal<MismatchError>([&] { train_energy_model(p.mesh, bare, p.paths); }), Contains("without terms"));
 }
 
-TEST_CASE("in space training finds the law again from the surface alone, the same for any number of threads", "[solid][long]") {
+TEST_CASE("training in space recovers the model from forces and surface displacements for any number of threads", "[solid][long]") {
     const SpringMesh mesh = embedded_block(Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
     const double E = 4500, radius_m = 0.007;
-    const LawHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E),
+    const EnergyModelHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E),
                                                    Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, radius_m);
-    const EnergyLaw law(mesh, heuristic, {"spring.all", "contact.normal", "contact.tangent", "contact.hardening", "skin.normal", "skin.tangent", "skin.heave", "skin.radial"});
+    const EnergyModelTerms law(mesh, heuristic, {"spring.all", "contact.normal", "contact.tangent", "contact.hardening", "skin.normal", "skin.tangent", "skin.heave", "skin.radial"});
     const Eigen::VectorXd truth = (Eigen::VectorXd(8) << -0.3, 0.2, -0.2, 0.5, 0.3, -0.4, 0.2, 0.1).finished();
-    const LawPress press(mesh, {law.terms(), truth, law.constants(truth), law.patch(truth), false, radius_m});
+    const IndentationSolver press(mesh, {law.terms(), truth, law.constants(truth), law.patch(truth), false, radius_m});
     std::vector<PressPath> paths;
     for (const Eigen::Vector3d& direction : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0.5, 0, -1)})
         for (double x : {0.021, 0.03}) {
@@ -195,14 +195,14 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     options.seen = seen_nodes(mesh);
     options.fit = {60, 1e-9, 1e-12, 0};
     CHECK(law_residual_count(law, paths, options) == 8 * (3 + 3 * static_cast<int>(options.seen.size())) + 8);
-    const TrainedLaw trained = train_law(mesh, law, paths, options);
+    const TrainedEnergyModel trained = train_energy_model(mesh, law, paths, options);
     CHECK((trained.coefficients - truth).norm() < 1e-4);
     CHECK(trained.objective < 1e-8);
     CHECK(trained.lost.empty());
     options.threads = 3;
-    CHECK(train_law(mesh, law, paths, options).coefficients == trained.coefficients);
+    CHECK(train_energy_model(mesh, law, paths, options).coefficients == trained.coefficients);
 
-    // from rests of other coefficients the residuals are those from rest
+    // started from equilibria of other parameters, the residuals are those of a start from rest
     const int rows = law_residual_count(law, paths, options);
     LawRests rests;
     Eigen::VectorXd cold(rows), warm(rows);
@@ -212,7 +212,7 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     law_residuals(mesh, law, paths, options, truth, cold, J);
     CHECK((warm - cold).norm() < 1e-6);
 
-    // and their derivative agrees with differences, of what is seen too
+    // their derivative agrees with differences, also of the displacements with skin
     options.press.tolerance = 1e-12;
     RowMatrix ignored(rows, law.size());
     const auto at = [&](const Eigen::VectorXd& p) {
@@ -228,15 +228,15 @@ TEST_CASE("in space training finds the law again from the surface alone, the sam
     }
 }
 
-TEST_CASE("in space training finds the terms of a disc's size again from contacts of several radii", "[solid][long]") {
+TEST_CASE("training in space recovers the size terms of a disc from contacts of several radii", "[solid][long]") {
     const SpringMesh mesh = embedded_block(Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
     const double E = 4500, own_m = 0.007;
-    const LawHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, own_m);
-    const EnergyLaw law(mesh, heuristic, {"contact.normal", "contact.normal.size", "contact.hardening.size"});
+    const EnergyModelHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, own_m);
+    const EnergyModelTerms law(mesh, heuristic, {"contact.normal", "contact.normal.size", "contact.hardening.size"});
     const Eigen::VectorXd truth = Eigen::Vector3d(0.2, 0.4, 0.6);
-    LawModel known{law.terms(), truth, law.constants(truth), law.patch(truth), false, own_m};
+    EnergyModel known{law.terms(), truth, law.constants(truth), law.patch(truth), false, own_m};
     known.sizes = {with_means({0.005, own_m, 0.010}), mesh.embedding.spacing_m};
-    const LawPress press(mesh, known);
+    const IndentationSolver press(mesh, known);
     std::vector<PressPath> paths;
     for (double radius_m : {0.0, 0.005, 0.010}) {
         PressPath& path = paths.emplace_back();
@@ -255,16 +255,16 @@ TEST_CASE("in space training finds the terms of a disc's size again from contact
     options.disc_radius_m = own_m;
     options.sizes = known.sizes;
     options.fit = {60, 1e-9, 1e-12, 0};
-    const TrainedLaw trained = train_law(mesh, law, paths, options);
+    const TrainedEnergyModel trained = train_energy_model(mesh, law, paths, options);
     CHECK((trained.coefficients - truth).norm() < 1e-4);
     CHECK(trained.lost.empty());
 }
 
-TEST_CASE("training loses no push that it has, though losing one costs less than the error that it leaves") {
+TEST_CASE("training keeps every equilibrium of its start even where losing one lowers the objective") {
     const SpringMesh mesh = make_lattice("grid8", 6, 6, 0.1, 0.1);
-    const EnergyLaw law(mesh, law_heuristic(mesh, 450, "plane-strain", 12), {"spring.all", "spring.surface", "contact.normal", "contact.tangent"});
+    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12), {"spring.all", "spring.surface", "contact.normal", "contact.tangent"});
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(law.size());
-    const LawPress press(mesh, {law.terms(), zero, law.constants(zero), law.patch(zero), law.incompressible()});
+    const IndentationSolver press(mesh, {law.terms(), zero, law.constants(zero), law.patch(zero), law.incompressible()});
     const Outline outline(mesh);
     std::vector<PressPath> paths;
     for (double part : {0.1, 0.27, 0.36, 0.52}) {
@@ -277,7 +277,7 @@ TEST_CASE("training loses no push that it has, though losing one costs less than
     }
     LawTrainingOptions options;
     options.ridge = 0.01;
-    options.press.max_newton = 4;  // few iterations in long steps, so that presses are soon lost
+    options.press.max_newton = 4;  // few iterations in long steps, so that equilibria are soon missed
     options.press.load_step = 2;
     options.press.smallest_step = 0.3;
     const int rows = law_residual_count(law, paths, options);
@@ -293,8 +293,8 @@ TEST_CASE("training loses no push that it has, though losing one costs less than
     };
     REQUIRE(lost_at(zero) == 0);
     const FitResult careless = nonlinear_fit(residuals, rows, zero, options.fit);
-    CHECK(lost_at(careless.x) > 0);  // what a step that loses one gains
-    const TrainedLaw trained = train_law(mesh, law, paths, options);
+    CHECK(lost_at(careless.x) > 0);  // a fit without this rule loses equilibria
+    const TrainedEnergyModel trained = train_energy_model(mesh, law, paths, options);
     CHECK(trained.lost.empty());
     CHECK(trained.starts[0].lost == 0);
     CHECK(trained.objective < 0.1 * 2 * careless.half_square);

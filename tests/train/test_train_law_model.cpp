@@ -1,4 +1,4 @@
-#include "train/train_law_model.h"
+#include "train/train_study_model.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -8,16 +8,16 @@
 #include <nlohmann/json.hpp>
 
 #include "cases/measured_cases.h"
-#include "cases/study_law.h"
+#include "cases/study_energy_model.h"
 #include "error.h"
 #include "eval/evaluation.h"
 #include "../measured_example.h"
 #include "../mutations.h"
 #include "../refusal.h"
 #include "springs/heuristic.h"
-#include "springs/law_press.h"
+#include "springs/indentation_solver.h"
 #include "springs/tissue_table.h"
-#include "train/books_table.h"
+#include "train/diagnostics_table.h"
 #include "train/endings.h"
 #include "train/train_sets.h"
 #include "version.h"
@@ -28,7 +28,7 @@ using Catch::Matchers::StartsWith;
 
 namespace {
 
-/// The example with a law, and next to no ridge.
+/// The example with an energy model and almost no ridge.
 const std::string& law_text() {
     static const std::string text = [] {
         const std::string& sets = example_study_text();
@@ -49,14 +49,14 @@ seed = 11
 
 Eigen::Vector4d truth() { return {-0.4, 0.3, 0.5, -0.2}; }
 
-/// A "tissue" that is itself such a law, and one path that is another's mirror image.
+/// A reference that is itself such an energy model, with one path that is the mirror image of another.
 Cases law_cases(const Study& study) {
     const SpringMesh mesh = make_lattice("grid8", study.cells[0], study.cells[1], study.geometry.width_m, study.geometry.height_m);
-    const EnergyLaw law = study_law(study, {}, mesh);
+    const EnergyModelTerms law = study_energy_model(study, {}, mesh);
     TissueModel tissue;
     tissue.mesh = mesh;
-    tissue.energy_law = {law.terms(), truth(), law.constants(truth()), law.patch(truth()), law.incompressible()};
-    const LawPress press(tissue);
+    tissue.energy_model = {law.terms(), truth(), law.constants(truth()), law.patch(truth()), law.incompressible()};
+    const IndentationSolver press(tissue);
     const Outline outline(mesh);
     Cases cases{study.name, mesh.nodes, {}, study.loads.magnitudes_m, {}};
     for (const StudyPath& p : study.loads.paths) {
@@ -87,15 +87,15 @@ const std::string& law_file() {
     return file;
 }
 
-/// The same law, in three branches.
+/// The same energy model with three Maxwell branches.
 const std::string& relaxing_file() {
     static const TemporaryFolder folder;
     static const std::string file = [] {
         TrainedModel model = read_trained_model(law_file());
-        Relaxation& r = model.energy_law->relaxation;
+        Relaxation& r = model.energy_model->relaxation;
         r.tau_s = Eigen::Vector3d(0.05, 1, 10);
         r.contact_share = Eigen::Vector3d(0.30, 0.25, 0.20);
-        r.share = NodeField::Constant(model.energy_law->constants.size(), 3, 0.1);
+        r.share = NodeField::Constant(model.energy_model->constants.size(), 3, 0.1);
         r.share(7, 1) = 0;
         write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
         return folder.file("model.h5");
@@ -105,15 +105,15 @@ const std::string& relaxing_file() {
 
 }  // namespace
 
-TEST_CASE("a study's law is trained back to the coefficients that made its cases, and mirror images count once", "[law]") {
+TEST_CASE("training recovers the parameters of a reference and counts mirror images once", "[law]") {
     const Study study = example_study(law_text());
     const Cases cases = law_cases(study);
     const TrainedModel model = train_law_model(study, cases, 2);
-    REQUIRE(model.energy_law);
-    CHECK((model.energy_law->coefficients - truth()).norm() < 1e-3);
+    REQUIRE(model.energy_model);
+    CHECK((model.energy_model->coefficients - truth()).norm() < 1e-3);
     CHECK(model.books.law->paths == 2);
     CHECK(model.books.law->records == 4);
-    CHECK(model.case_count() == 6);  // the image is a load case, and nothing new to a law
+    CHECK(model.case_count() == 6);  // the mirror image is a load case without new data for an energy model
     CHECK(endings_of(model.books).broken.empty());
 
     const Evaluation evaluation = evaluate(model, cases, 0, 0, 1);
@@ -128,9 +128,10 @@ TEST_CASE("a study's law is trained back to the coefficients that made its cases
     CHECK((told["model_hash"] == "ab" && told["cases_hash"] == "cd" && told["trained_errors"].size() == 6));
     CHECK((told["trained_errors"][2]["name"] == model.case_names[2] && told["trained_errors"][2]["error"] == *evaluation.model("learned").cases[2].closed_loop.force));
 
-    // in space errors are told by thirds of the contacts too, thin to thick; one without an answer counts, one that FE lost is in none
+    // In space errors are also reported by thirds of the contacts, from thin to thick. A missing answer counts, a
+    // missing reference does not.
     Evaluation solid = evaluation;
-    solid.energy_law->disc_radius_m = 0.007;
+    solid.energy_model->disc_radius_m = 0.007;
     DrawnContacts role{"held_out", {}, {"lost: unstable"}};
     for (int k = 12; k >= 0; --k) {
         ContactError error;
@@ -143,52 +144,53 @@ TEST_CASE("a study's law is trained back to the coefficients that made its cases
                                        Contains("| thickness, 24.0 to 27.0 mm | 6.5 % / none / none | 3 of 4 |") && Contains("| thickness, 28.0 to 32.0 mm | 10.0 % / 11.8 % / 12.0 % | 5 of 5 |") &&
                                        Contains("| distance from the free surface's edge, 50.0 to 53.0 mm | 10.5 % / 11.8 % / 12.0 % | 4 of 4 |"));
     CHECK_THAT(to_json(solid, 11), Contains("\"thickness_m\": 0.02") && Contains("\"clearance_m\": null"));
-    // and by disc where there are several: what FE lost counts
+    // by disc radius where there are several; a missing reference counts in N
     CHECK_THAT(to_markdown(solid), !Contains("| disc of "));
     solid.held_out.roles[0].lost_radius_m = {0.006};
     for (std::size_t k = 0; k < 13; ++k) solid.held_out.roles[0].contacts[k].radius_m = k % 2 == 1 ? 0.004 : 0.006;
     CHECK_THAT(to_markdown(solid), Contains("| disc of 4 mm | 8.0 % / none / none | 5 of 6 |") && Contains("| disc of 6 mm |") && Contains("| 7 of 8 |"));
     const nlohmann::json by_radius = nlohmann::json::parse(to_json(solid, 11))["by_radius"]["held_out"];
     CHECK((by_radius.size() == 2 && by_radius[0]["radius_m"] == 0.004 && by_radius[1]["learned"]["of"] == 8));
-    for (DrawnContact& contact : solid.held_out.roles[0].contacts) contact.thickness_m = 0.05 + 1e-9 * contact.clearance_m;  // as of a block
+    // as on a block
+    for (DrawnContact& contact : solid.held_out.roles[0].contacts) contact.thickness_m = 0.05 + 1e-9 * contact.clearance_m;
     CHECK_THAT(to_markdown(solid), !Contains("| thickness, ") && Contains("| distance from "));
     solid.held_out.roles[0].contacts.resize(11);
     CHECK_THAT(to_markdown(solid), !Contains("by thirds"));
 }
 
-TEST_CASE("the report's factor of a term is what the law's constants are over the heuristic, cells below their cap too", "[law]") {
+TEST_CASE("the factor of a term in the report is the ratio of constants to heuristic below the cap", "[law]") {
     std::string text = law_text();
     const std::size_t from = text.find("terms = ["), to = text.find("]", from);
     const Study study = example_study(text.replace(from, to + 1 - from, "terms = [\"cell.all\"]"));
     const Cases cases = law_cases(example_study(law_text()));
     TrainedModel model = train_law_model(study, cases, 1);
-    const EnergyLaw law = study_law(study, {}, model.mesh);
-    model.energy_law->coefficients = Eigen::VectorXd::Constant(1, -4.069);
-    model.energy_law->constants = law.constants(model.energy_law->coefficients);
-    const Eigen::Index cell = model.mesh.spring_count(), last = cell + 15;  // of 4 x 4
-    const double p = model.energy_law->coefficients[0], factor = model.energy_law->constants[cell] / model.books.law->untrained_constants[cell];
-    CHECK(factor == Approx(0.258).epsilon(0.01));  // and exp(p) is 0.0171
-    CHECK(model.energy_law->constants[last] / model.books.law->untrained_constants[last] == Approx(factor));
+    const EnergyModelTerms law = study_energy_model(study, {}, model.mesh);
+    model.energy_model->coefficients = Eigen::VectorXd::Constant(1, -4.069);
+    model.energy_model->constants = law.constants(model.energy_model->coefficients);
+    const Eigen::Index cell = model.mesh.spring_count(), last = cell + 15;  // of 4 x 4 cells
+    const double p = model.energy_model->coefficients[0], factor = model.energy_model->constants[cell] / model.books.law->untrained_constants[cell];
+    CHECK(factor == Approx(0.258).epsilon(0.01));  // exp(p) is 0.0171
+    CHECK(model.energy_model->constants[last] / model.books.law->untrained_constants[last] == Approx(factor));
     CHECK_THAT(to_markdown(evaluate(model, cases, 0, 0, 1)), Contains(fmt::format("| cell.all | {:.3f} | {:.3g} |", p, factor)));
 
-    TrainedModel stress = model;  // how far below the cap its cells began nobody knows any more
-    stress.energy_law->incompressible = false;
+    TrainedModel stress = model;  // the distance of its cells from the cap at the start is not known
+    stress.energy_model->incompressible = false;
     Evaluation e = evaluate(model, cases, 0, 0, 1);
-    e.energy_law = stress.energy_law;
+    e.energy_model = stress.energy_model;
     CHECK_THAT(to_markdown(e), Contains(fmt::format("| cell.all | {:.3f} | none |", p)));
 }
 
-TEST_CASE("from forces alone a law finds its constants again, whatever the material was taken for", "[law][measured][long]") {
+TEST_CASE("training on forces recovers the constants of a model three times stiffer than the assumed material", "[law][measured][long]") {
     const Study study = measured_study();
     const SpringMesh mesh = measured_mesh();
-    constexpr double stiffer = 3;  // than the study's material says
-    const EnergyLaw law = study_law(study, {}, mesh, stiffer);
+    constexpr double stiffer = 3;  // than the material of the study
+    const EnergyModelTerms law = study_energy_model(study, {}, mesh, stiffer);
     Eigen::VectorXd p(7);
     p << -0.2, 0.3, 0.4, 0.5, -0.3, 0.6, -0.4;
     TissueModel tissue;
     tissue.mesh = mesh;
-    tissue.energy_law = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
-    const LawPress press(tissue);
+    tissue.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    const IndentationSolver press(tissue);
     const Outline outline(mesh);
     MeasuredTable table{"data.csv", "made up", {}};
     for (double arc = 0.013; arc < outline.length() - 0.01; arc += 0.0137)
@@ -201,24 +203,25 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
             }
     const Cases cases = measured_cases(study, table);
     const TrainedModel model = train_law_model(study, cases, 2);
-    CHECK(model.books.law->factor == Approx(stiffer).epsilon(0.3));  // over a heuristic that is no law yet
-    CHECK(((model.energy_law->constants - tissue.energy_law->constants).array() / tissue.energy_law->constants.array()).abs().maxCoeff() < 1e-3);
-    CHECK((model.energy_law->patch.log_N_m - tissue.energy_law->patch.log_N_m).cwiseAbs().maxCoeff() < 1e-3);
+    CHECK(model.books.law->factor == Approx(stiffer).epsilon(0.3));  // relative to the untrained heuristic
+    CHECK(((model.energy_model->constants - tissue.energy_model->constants).array() / tissue.energy_model->constants.array()).abs().maxCoeff() < 1e-3);
+    CHECK((model.energy_model->patch.log_N_m - tissue.energy_model->patch.log_N_m).cwiseAbs().maxCoeff() < 1e-3);
 
     const Evaluation evaluation = evaluate(model, cases, 0, 0, 1);
     const DrawnContacts* held_out = evaluation.held_out.role("held_out");
     REQUIRE(held_out);
     CHECK(held_out->statistics(0).force.max < 1e-4);
-    CHECK(evaluation.model("heuristic_a").closed_loop().force.median > 0.01);  // it was not there to begin with
+    CHECK(evaluation.model("heuristic_a").closed_loop().force.median > 0.01);  // the start differs from the reference
     CHECK_THAT(to_markdown(evaluation), Contains("measured paths") && Contains("times the study's E2, fitted to the forces") && !Contains("shape"));
-    CHECK_THAT(to_json(evaluation, 11), Contains("\"factor\"") && !Contains("shape"));  // nobody saw inside
+    // no displacements were measured
+    CHECK_THAT(to_json(evaluation, 11), Contains("\"factor\"") && !Contains("shape"));
 
-    // of tissue at rest the law at once is what was left of it times 1 / (1 - sum g), given or fitted
+    // Tissue at rest: the instantaneous model is the long-term one times 1 / (1 - sum g), with g given or fitted.
     const auto relaxing = [&](const std::string& viscosity) {
         std::string text = with(measured_study_text(), "[material]\n", "[material]\nmoduli = \"long-term\"\nviscosity = " + viscosity + "\n");
         return example_study(with(text, "seed = 8\n", "seed = 8\nhistories = \"h.csv\"\n"));
     };
-    // and what is compared with readings at rest is what is left of it
+    // measurements at rest are compared with the long-term model
     const auto fits_its_readings = [&](const TrainedModel& trained) {
         const Evaluation at_rest = evaluate(trained, cases, 0, 0, 1);
         CHECK(at_rest.held_out.role("held_out")->statistics(0).force.max < 1e-4);
@@ -230,8 +233,8 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
     const TemporaryFolder folder;
     write_trained_model(folder.file("model.h5"), grown, {"tissuectl test", 11, {}});
     fits_its_readings(read_trained_model(folder.file("model.h5")));
-    const LawModel given = *grown.energy_law;
-    CHECK((given.constants - 2 * model.energy_law->constants).norm() < 1e-9 * given.constants.norm());
+    const EnergyModel given = *grown.energy_model;
+    CHECK((given.constants - 2 * model.energy_model->constants).norm() < 1e-9 * given.constants.norm());
     CHECK(given.relaxation.contact_share == Eigen::Vector2d(0.2, 0.3));
     Cases in_time = cases;
     History h;
@@ -250,15 +253,15 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
     in_time.histories = {h};
     const TrainedModel fitted = train_law_model(relaxing("[{ tau_s = 0.5 }, { tau_s = 5 }, { tau_s = 50 }]"), in_time, 2);
     fits_its_readings(fitted);
-    CHECK(fitted.energy_law->relaxation.branches() == 2);  // one had no use
-    CHECK((fitted.energy_law->relaxation.contact_share - Eigen::Vector2d(0.2, 0.3)).norm() < 1e-3);
-    CHECK((fitted.energy_law->constants - given.constants).norm() < 2e-3 * given.constants.norm());
+    CHECK(fitted.energy_model->relaxation.branches() == 2);  // one branch is not needed
+    CHECK((fitted.energy_model->relaxation.contact_share - Eigen::Vector2d(0.2, 0.3)).norm() < 1e-3);
+    CHECK((fitted.energy_model->constants - given.constants).norm() < 2e-3 * given.constants.norm());
     CHECK(fitted.books.law->shares->histories == 1);
     CHECK(fitted.books.law->shares->status == "converged");
     in_time.histories.front().role = "held_out";
     CHECK_THAT(to_markdown(evaluate(fitted, in_time, 0, 0, 1)), Contains("Maxwell branches fitted to 1 measured histories, converged") && Contains("compared with the measured force, noise included") && !Contains("prony"));
 
-    // readings of tissue that had not relaxed yet are the law's at once, whatever its branches
+    // measurements before relaxation are compared with the instantaneous model, whatever its branches
     const Study at_once = example_study(with(with(measured_study_text(), "[material]\n", "[material]\nmoduli = \"instantaneous\"\nviscosity = [{ g = 0.5, tau_s = 1 }]\n"),
                                              "seed = 8\n", "seed = 8\nhistories = \"h.csv\"\n"));
     const Evaluation quick = evaluate(train_law_model(at_once, cases, 2), cases, 0, 0, 1);
@@ -266,21 +269,21 @@ TEST_CASE("from forces alone a law finds its constants again, whatever the mater
     CHECK_THAT(to_markdown(quick), !Contains("of tissue at rest"));
 
     Study sets = example_study();
-    CHECK_THAT(refusal<MismatchError>([&] { train_sets(sets, cases, 1); }), Contains("measured") && Contains("'" + sets.name + "' has sets"));
-    TrainedModel earlier = model;  // of sets, as earlier programs trained them on such cases
-    earlier.energy_law.reset();
+    CHECK_THAT(refusal<MismatchError>([&] { train_sets(sets, cases, 1); }), Contains("measured") && Contains("'" + sets.name + "' has spring sets"));
+    TrainedModel earlier = model;  // spring sets, which earlier programs trained on such cases
+    earlier.energy_model.reset();
     CHECK_THAT(refusal<MismatchError>([&] { evaluate(earlier, cases, 0, 0, 1); }), Contains("measured") && Contains("sets"));
 }
 
-TEST_CASE("a model whose stiffness is a law comes back from its file as it was, in a format that earlier programs refuse", "[law]") {
+TEST_CASE("an energy model is read back unchanged from a file of a later format version", "[law]") {
     const Study study = example_study(law_text());
     const TrainedModel a = train_law_model(study, law_cases(study), 1), b = read_trained_model(law_file());
-    REQUIRE(b.energy_law);
-    CHECK(b.energy_law->terms == a.energy_law->terms);
-    CHECK(b.energy_law->coefficients == a.energy_law->coefficients);
-    CHECK(b.energy_law->constants == a.energy_law->constants);
-    CHECK(b.energy_law->patch.log_N_m == a.energy_law->patch.log_N_m);
-    CHECK(b.energy_law->incompressible);
+    REQUIRE(b.energy_model);
+    CHECK(b.energy_model->terms == a.energy_model->terms);
+    CHECK(b.energy_model->coefficients == a.energy_model->coefficients);
+    CHECK(b.energy_model->constants == a.energy_model->constants);
+    CHECK(b.energy_model->patch.log_N_m == a.energy_model->patch.log_N_m);
+    CHECK(b.energy_model->incompressible);
     CHECK(b.books.law->status == a.books.law->status);
     CHECK(b.books.law->objective == a.books.law->objective);
     CHECK(b.books.law->gradient == a.books.law->gradient);
@@ -289,14 +292,14 @@ TEST_CASE("a model whose stiffness is a law comes back from its file as it was, 
     CHECK(law_format_version > format_version);
 }
 
-TEST_CASE("a law that relaxes comes back from its file as it was, in a format that earlier programs refuse", "[law][memory]") {
-    const LawModel law = *read_model(relaxing_file()).energy_law;
+TEST_CASE("a relaxing energy model is read back unchanged from a file of a later format version", "[law][memory]") {
+    const EnergyModel law = *read_model(relaxing_file()).energy_model;
     CHECK(law.relaxation.tau_s == Eigen::Vector3d(0.05, 1, 10));
     CHECK(law.relaxation.share.rows() == law.constants.size());
     CHECK(law.relaxation.share(7, 1) == 0);
     CHECK(law.relaxation.share(7, 2) == 0.1);
     CHECK(law.relaxation.contact_share == Eigen::Vector3d(0.30, 0.25, 0.20));
-    CHECK(read_model(law_file()).energy_law->relaxation.empty());
+    CHECK(read_model(law_file()).energy_model->relaxation.empty());
     CHECK(Hdf5Reader(relaxing_file(), "model").number_attribute("/", "format_version") == time_format_version);
     CHECK(time_format_version > solid_format_version);
 
@@ -307,27 +310,27 @@ TEST_CASE("a law that relaxes comes back from its file as it was, in a format th
         CHECK_THAT(refusal<FileError>([&] { read_model(folder.file("m.h5")); }), Contains(what));
         model = read_trained_model(relaxing_file());
     };
-    model.energy_law->relaxation.share(3, 0) = 0.9;
+    model.energy_model->relaxation.share(3, 0) = 0.9;
     refused("/law/share: sum to 1 or more");
-    model.energy_law->relaxation.contact_share[0] = 0.6;
+    model.energy_model->relaxation.contact_share[0] = 0.6;
     refused("/law/contact_share: sum to 1 or more");
-    model.energy_law->relaxation.tau_s = Eigen::Vector3d(1, 0.05, 10);
+    model.energy_model->relaxation.tau_s = Eigen::Vector3d(1, 0.05, 10);
     refused("/law/relaxation_time");
 }
 
-TEST_CASE("what plays a law needs none of training's books", "[law]") {
+TEST_CASE("read_model gives the constants of an energy model and no spring sets", "[law]") {
     const TissueModel model = read_model(law_file());
-    REQUIRE(model.energy_law);
-    CHECK(model.energy_law->constants == read_trained_model(law_file()).energy_law->constants);
+    REQUIRE(model.energy_model);
+    CHECK(model.energy_model->constants == read_trained_model(law_file()).energy_model->constants);
     CHECK(model.trained.empty());
 }
 
-/// That relaxes and has learned: all datasets that a law can have.
+/// A model that relaxes and is adapted, with all datasets of an energy model.
 const std::string& whole_file() {
     static const TemporaryFolder folder;
     static const std::string file = [] {
         TrainedModel model = read_trained_model(relaxing_file());
-        model.energy_law->contact_log_scale = Eigen::VectorXd::Constant(model.mesh.node_count(), 0.2);
+        model.energy_model->contact_log_scale = Eigen::VectorXd::Constant(model.mesh.node_count(), 0.2);
         model.books.law->shares = {3, 1e-12, 0.04, 1.5, "converged"};
         write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
         return folder.file("model.h5");
@@ -335,7 +338,7 @@ const std::string& whole_file() {
     return file;
 }
 
-TEST_CASE("every dataset of a law has its rule, and changed in any way is refused in one line", "[law]") {
+TEST_CASE("every dataset of an energy model has a rule and alterations are refused in one line", "[law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     int refused = 0;
@@ -357,7 +360,7 @@ TEST_CASE("every dataset of a law has its rule, and changed in any way is refuse
             }
     }
     CHECK(refused > 40);
-    const LawBook::Shares shares = *read_trained_model(whole_file()).books.law->shares;
+    const EnergyModelDiagnostics::Shares shares = *read_trained_model(whole_file()).books.law->shares;
     CHECK(shares.histories == 3);
     CHECK(shares.misfit == 0.04);
     CHECK(shares.grown == 1.5);
@@ -365,8 +368,8 @@ TEST_CASE("every dataset of a law has its rule, and changed in any way is refuse
     CHECK_FALSE(read_trained_model(relaxing_file()).books.law->shares);
 }
 
-TEST_CASE("a fit that ended short of its tolerances, or lost pushes, is a broken promise", "[law][endings]") {
-    LawBook book = *read_trained_model(law_file()).books.law;
+TEST_CASE("a fit that misses its tolerances or an equilibrium is reported as broken", "[law][endings]") {
+    EnergyModelDiagnostics book = *read_trained_model(law_file()).books.law;
     CHECK(endings_of(book).broken.empty());
     book.lost = {"left at 8 mm: lost at 5 mm"};
     CHECK_THAT(endings_of(book).broken.at(0), Contains("of 4 pushes 1"));
@@ -377,24 +380,24 @@ TEST_CASE("a fit that ended short of its tolerances, or lost pushes, is a broken
     }
 }
 
-TEST_CASE("sets are not trained for a law's study, nor a law for that of sets", "[law]") {
+TEST_CASE("training spring sets in a study with an energy model is refused and the reverse", "[law]") {
     const Study law = example_study(law_text()), sets = example_study();
     CHECK_THAT(refusal<MismatchError>([&] { train_sets(law, law_cases(law), 1); }), Contains("has an energy model"));
-    CHECK_THAT(refusal<MismatchError>([&] { train_law_model(sets, law_cases(law), 1); }), Contains("is sets"));
+    CHECK_THAT(refusal<MismatchError>([&] { train_law_model(sets, law_cases(law), 1); }), Contains("has spring sets"));
 }
 
-TEST_CASE("a law whose constants are not as many as its mesh has springs, cells and regions is refused", "[law]") {
+TEST_CASE("an energy model whose number of constants does not match its mesh is refused", "[law]") {
     const TemporaryFolder folder;
     TrainedModel model = read_trained_model(law_file());
-    model.energy_law->constants.conservativeResize(model.energy_law->constants.size() - 1);
+    model.energy_model->constants.conservativeResize(model.energy_model->constants.size() - 1);
     write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
     CHECK_THAT(refusal<FileError>([&] { read_trained_model(folder.file("model.h5")); }), Contains("/law/constants"));
 }
 
-TEST_CASE("a law over a heuristic whose factor is no number above 0 is refused", "[law]") {
+TEST_CASE("a factor of the heuristic that is no positive number is refused", "[law]") {
     const TemporaryFolder folder;
     TrainedModel model = read_trained_model(law_file());
-    CHECK(model.books.law->factor == 1);  // of FE the material is known
+    CHECK(model.books.law->factor == 1);  // with an FE reference the material is known
     for (double factor : {0.0, -1.0, std::nan("")}) {
         model.books.law->factor = factor;
         write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
@@ -402,7 +405,7 @@ TEST_CASE("a law over a heuristic whose factor is no number above 0 is refused",
     }
 }
 
-TEST_CASE("where FE lost every training path the refusal says so, and of the first three where, how deep and why", "[law]") {
+TEST_CASE("training without any FE solution is refused with place and depth and cause of three paths", "[law]") {
     const Study study = example_study(law_text());
     Cases cases = law_cases(study);
     const LoadPath one = cases.paths[0];
@@ -415,25 +418,25 @@ TEST_CASE("where FE lost every training path the refusal says so, and of the fir
     }
     const std::string third = fmt::format("p2 at ({:.4g}, {:.4g}) mm, 8 mm deep: no equilibrium beyond 0.5 mm;", 1e3 * one.contact_m.x(), 1e3 * one.contact_m.y());
     for (const std::string& why : {refusal<MismatchError>([&] { train_law_model(study, cases, 1); }), refusal<MismatchError>([&] { train_sets(example_study(), cases, 1); })}) {
-        CHECK_THAT(why, Contains("of study 'example' FE lost all 5 training paths") && Contains(third) && Contains("and 2 more"));
+        CHECK_THAT(why, Contains("study 'example': none of its 5 training paths has an FE reference") && Contains(third) && Contains("and 2 more"));
         CHECK_THAT(why, !Contains("p3") && !Contains("and more"));
     }
     cases.paths.clear();
     CHECK_THAT(refusal<MismatchError>([&] { train_law_model(study, cases, 1); }), Contains("no training path"));
 }
 
-TEST_CASE("a baseline that answers nowhere is missing in every table, and the evaluation goes on", "[law]") {
+TEST_CASE("a baseline without any answer is missing in every table and the evaluation continues", "[law]") {
     const Study study = example_study(law_text());
     Cases cases = law_cases(study);
     TrainedModel model = read_trained_model(law_file());
-    // springs on the axes alone, which shear for nothing; the law's cells hold them
+    // axial springs alone have shear modes of zero energy; the cells of the model stabilise them
     const SpringMesh axes = make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m, study.geometry.height_m);
-    const EnergyLaw law(axes, law_heuristic(axes, 450, "plane-strain", 12), {"spring.all"});
+    const EnergyModelTerms law(axes, energy_model_heuristic(axes, 450, "plane-strain", 12), {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
     model.mesh = axes;
     model.law = "axial";
     model.heuristic_a = model.heuristic_b = heuristic_stiffness(axes, 450);
-    model.energy_law = LawModel{law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    model.energy_model = EnergyModel{law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
     model.books.law->untrained_constants = law.constants(p);
     model.books.law->untrained_patch = law.patch(p);
     const Evaluation e = evaluate(model, cases, 0, 0, 1);

@@ -22,7 +22,7 @@ Cases cases_of(const Study& study) {
     return example_cases(study, example_theta(make_lattice("grid8", 4, 4, 0.1, 0.1)));
 }
 
-/// sqrt(f_fe' Q f_fe) of a load case [N]; of the contact's objective f_fe is the contact's force, at the ends of its segment.
+/// sqrt(f_fe' Q f_fe) of a load case [N]. With objective contact, f_fe is the contact force at the ends of its segment.
 double fe_scale(const TrainedModel& model, const Cases& cases, std::size_t c) {
     const LoadCase load = load_cases(cases)[c];
     const Eigen::VectorXd weight = model.books.node_weight.row(static_cast<Eigen::Index>(c));
@@ -51,7 +51,7 @@ TEST_CASE("the trained sets do not depend on the number of threads") {
     CHECK(one.optimum == three.optimum);
 }
 
-TEST_CASE("a set depends on the seed and its own name, not on which sets are trained beside it") {
+TEST_CASE("a trained set depends on the seed and its own name and not on other sets") {
     const Study study = example_study();
     Cases cases = cases_of(study);
     const TrainedModel both = train_sets(study, cases, 2);
@@ -73,7 +73,7 @@ TEST_CASE("another seed draws another Q and trains other sets") {
     CHECK(first.trained.front().theta != second.trained.front().theta);
 }
 
-TEST_CASE("Q is drawn high for the 3 x 3 nodes about the contact and lower for all others") {
+TEST_CASE("weights Q are drawn higher for the 3 x 3 nodes about the contact than for others") {
     const Study study = example_study();
     const TrainedModel model = train_sets(study, cases_of(study), 1);
     std::set<double> drawn;
@@ -89,19 +89,19 @@ TEST_CASE("Q is drawn high for the 3 x 3 nodes about the contact and lower for a
             drawn.insert(model.books.node_weight(c, i));
         }
         const bool corner = model.case_names[static_cast<std::size_t>(c)].rfind("corner", 0) == 0;
-        CHECK(near_nodes == (corner ? 4 : 6));  // of the 3 x 3, those that are tissue
+        CHECK(near_nodes == (corner ? 4 : 6));  // of the 3 x 3, those in the tissue
     }
-    CHECK(drawn.size() == 4 * 25);  // every node of every case its own
+    CHECK(drawn.size() == 4 * 25);  // every node of every case has its own weight
 }
 
-TEST_CASE("every set lies in the box, and its loss is what was recorded and no larger than the heuristic's") {
+TEST_CASE("every trained set lies in the box with its recorded loss and no larger loss than the heuristic") {
     const Study study = example_study();
     const Cases cases = cases_of(study);
     const TrainedModel model = train_sets(study, cases, 2);
     const auto law = make_spring_law(model.law);
     const std::vector<LoadCase> loads = load_cases(cases);
     for (std::size_t o = 0; o < model.trained.size(); ++o) {
-        const TrainingBook& t = model.books.trained[o];
+        const SetDiagnostics& t = model.books.trained[o];
         const NodeField& theta = model.trained[o].theta;
         CHECK(t.optimizer == model.trained[o].optimizer);
         CHECK(theta.minCoeff() >= study.training.k_min_E2 * model.modulus_N_m * (1 - tolerance::rounding));
@@ -120,7 +120,7 @@ TEST_CASE("every set lies in the box, and its loss is what was recorded and no l
     }
 }
 
-TEST_CASE("the model carries what the springs stand for: masses, both heuristics, contacts and pushes") {
+TEST_CASE("a trained model has masses and modulus and heuristics and contacts and displacements of its study") {
     const Study study = example_study();
     const TrainedModel model = train_sets(study, cases_of(study), 1);
     CHECK(model.modulus_N_m == Approx(6 * (263 + 491) * 0.0003).epsilon(tolerance::rounding));
@@ -131,7 +131,7 @@ TEST_CASE("the model carries what the springs stand for: masses, both heuristics
     CHECK(model.direction.row(0) == Eigen::RowVector2d(1, 0));
 }
 
-TEST_CASE("an optimiser that is named twice trains once, the study's own first") {
+TEST_CASE("an optimiser named twice trains once and the main optimiser of the study comes first") {
     Study study = example_study();
     study.training.also = {"spsa-2008", "spsa", "spsa-2008"};
     const TrainedModel model = train_sets(study, cases_of(study), 1);
@@ -140,7 +140,7 @@ TEST_CASE("an optimiser that is named twice trains once, the study's own first")
     CHECK(model.trained[1].optimizer == "spsa-2008");
 }
 
-TEST_CASE("progress counts every set once, to the end") {
+TEST_CASE("training progress counts every set once up to the total") {
     const Study study = example_study();
     std::vector<int> seen;
     int last_total = 0;
@@ -154,7 +154,7 @@ TEST_CASE("progress counts every set once, to the end") {
     for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i] == static_cast<int>(i) + 1);
 }
 
-TEST_CASE("cases of another lattice are refused with both lattices named") {
+TEST_CASE("cases of another lattice are refused with study and lattice") {
     const Study study = example_study();
     Cases cases = cases_of(study);
     cases.nodes *= 1.001;
@@ -163,7 +163,7 @@ TEST_CASE("cases of another lattice are refused with both lattices named") {
     CHECK_THROWS_AS(train_sets(coarse, cases_of(study), 1), MismatchError);
 }
 
-TEST_CASE("an unknown optimiser and a path without a record at a magnitude are refused, from any thread") {
+TEST_CASE("training with an unknown optimiser or a missing record is refused also in several threads") {
     Study study = example_study();
     Cases cases = cases_of(study);
     study.training.optimizer = "adam";
@@ -173,7 +173,7 @@ TEST_CASE("an unknown optimiser and a path without a record at a magnitude are r
     CHECK_THROWS_AS(train_sets(study, cases, 2), MismatchError);
 }
 
-TEST_CASE("how the training ended comes back out of model.h5; a file of an earlier program says nothing of it") {
+TEST_CASE("statuses of a training are read back from model.h5 and are empty for earlier files") {
     const Study study = example_study();
     const TrainedModel model = train_sets(study, cases_of(study), 1);
     CHECK(model.books.optimum.status == std::vector<std::string>(4, "converged"));
@@ -195,7 +195,7 @@ TEST_CASE("how the training ended comes back out of model.h5; a file of an earli
     CHECK(back.books.problems.status.empty());
 }
 
-TEST_CASE("a set that met its target has a loss of at most that part of the FE force, whatever is minimised beside it", "[objective]") {
+TEST_CASE("a set with status target_met has a loss within its target for every objective and ridge", "[objective]") {
     int met = 0;
     for (const auto& [objective, ridge, target] : {std::tuple{"force", 1.0, 0.7}, std::tuple{"contact", 0.0, 0.05}, std::tuple{"contact", 1.0, 0.3}}) {
         Study study = example_study();
@@ -208,7 +208,7 @@ TEST_CASE("a set that met its target has a loss of at most that part of the FE f
         const Cases cases = cases_of(study);
         const TrainedModel model = train_sets(study, cases, 2);
         CAPTURE(objective, ridge);
-        for (const TrainingBook& t : model.books.trained)
+        for (const SetDiagnostics& t : model.books.trained)
             for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) {
                 CAPTURE(t.optimizer, c);
                 met += t.status[static_cast<std::size_t>(c)] == "target_met";
@@ -222,12 +222,12 @@ TEST_CASE("a set that met its target has a loss of at most that part of the FE f
     CHECK(met > 0);
 }
 
-TEST_CASE("cases without any load case train no sets, and say so") {
+TEST_CASE("training spring sets without any load case is refused with the cause") {
     const Study study = example_study();
     Cases cases = cases_of(study);
     for (LoadPath& path : cases.paths) {
-        path.records.resize(1);  // lost before the first magnitude
+        path.records.resize(1);  // ended before the first magnitude
         path.lost = "the tangent is not positive definite";
     }
-    CHECK_THAT(refusal<MismatchError>([&] { train_sets(study, cases, 1); }), Contains("FE lost all") && Contains("first load case") && Contains("the tangent is not positive definite"));
+    CHECK_THAT(refusal<MismatchError>([&] { train_sets(study, cases, 1); }), Contains("none of its") && Contains("first load case") && Contains("the tangent is not positive definite"));
 }

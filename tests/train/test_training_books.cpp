@@ -1,4 +1,4 @@
-#include "train/training_books.h"
+#include "train/training_diagnostics.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -25,13 +25,13 @@ const TrainedModel& example() {
 
 }  // namespace
 
-TEST_CASE("training's books come back from model.h5 with the same bits, beside the tissue that plays") {
+TEST_CASE("training records are read back bit for bit from model.h5 with the model") {
     const TemporaryFolder folder;
     write_trained_model(folder.file("model.h5"), example(), provenance);
     const TrainedModel read = read_trained_model(folder.file("model.h5"));
     CHECK(read.one_set == example().one_set);
     CHECK(read.trained[0].theta == example().trained[0].theta);
-    const TrainingBooks &a = example().books, &b = read.books;
+    const TrainingDiagnostics &a = example().books, &b = read.books;
     CHECK(b.seed == a.seed);
     CHECK(b.node_weight == a.node_weight);
     CHECK(b.optimum.loss_N == a.optimum.loss_N);
@@ -41,7 +41,7 @@ TEST_CASE("training's books come back from model.h5 with the same bits, beside t
     CHECK(b.optimum.seconds == a.optimum.seconds);
     REQUIRE(b.trained.size() == a.trained.size());
     for (std::size_t t = 0; t < a.trained.size(); ++t) {
-        const TrainingBook &x = a.trained[t], &y = b.trained[t];
+        const SetDiagnostics &x = a.trained[t], &y = b.trained[t];
         CHECK(y.optimizer == x.optimizer);
         CHECK(y.loss_N == x.loss_N);
         CHECK(y.rel_loss == x.rel_loss);
@@ -61,7 +61,7 @@ TEST_CASE("training's books come back from model.h5 with the same bits, beside t
     }
 }
 
-TEST_CASE("a model without training's books plays, and is refused where the books are asked for") {
+TEST_CASE("a model without training records is readable as a model but not as a trained model") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     write_model(file, example(), provenance);

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-// Boost's names, as this folder says them: what knows Boost is in it alone.
+// Short names for Boost. Only this folder depends on Boost.
 namespace tissue::serve {
 
 namespace asio = boost::asio;
@@ -19,12 +19,13 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using Tcp = asio::ip::tcp;
 
-/// How much a connection takes in: Beast's RatePolicy, which asks before it reads and goes on each second. Pieces of a message that hold nothing
-/// are told to nobody, so their bytes are counted.
+/// Limit on the bytes that a connection reads per second: Beast's RatePolicy. Beast asks it before reading, and resets
+/// it each second. Fragments without content are not reported to us, so bytes are counted in their place.
 class Intake {
    public:
     void limit(std::size_t bytes_a_second) { left_ = limit_ = bytes_a_second; }
-    bool spent() const { return left_ == 0; }  ///< this second's, and nothing is read before the next
+    /// the limit of this second is used up, and nothing is read before the next
+    bool spent() const { return left_ == 0; }
 
    private:
     friend class beast::rate_policy_access;

@@ -13,7 +13,7 @@ namespace tissue::serve {
 namespace {
 
 std::string group_of(const asio::ip::address& address) {
-    if (address.is_loopback()) return "loopback";  // whoever is here may use any of them
+    if (address.is_loopback()) return "loopback";  // local users may use any loopback address
     if (address.is_v4()) return address.to_string();
     const asio::ip::address_v6 v6 = address.to_v6();
     if (v6.is_v4_mapped()) return group_of(asio::ip::make_address_v4(asio::ip::v4_mapped, v6));
@@ -27,7 +27,8 @@ Listener::Listener(Stage& s, const ServerOptions& o)
     : options(o), stage(s), acceptor(context), signals(context, SIGINT, SIGTERM), tick(context), end(context), again(context),
       show(s, [this](Show::Client client, const std::string& text) { tell(client, text); }) {
     struct sigaction hangup {};
-    if (::sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) signals.add(SIGHUP);  // under nohup it goes on
+    // under nohup SIGHUP is ignored and the program continues
+    if (::sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) signals.add(SIGHUP);
 }
 
 void Listener::listen() {
@@ -47,7 +48,7 @@ void Listener::accept() {
     if (ending) return;
     acceptor.async_accept([this](Code error, Tcp::socket socket) {
         if (ending || error == asio::error::operation_aborted) return;
-        if (error) {  // out of file descriptors: later again
+        if (error) {  // out of file descriptors: try again later
             again.expires_after(std::chrono::milliseconds(100));
             again.async_wait([this](Code) { accept(); });
             return;
@@ -64,7 +65,7 @@ void Listener::seat(Tcp::socket socket) {
     Code error;
     const Tcp::endpoint from = socket.remote_endpoint(error);
     if (!error) socket.non_blocking(true, error);
-    if (error) return;  // gone already
+    if (error) return;  // the peer has disconnected already
     Neighbour& of = neighbour(from.address());
     const bool crowded = of.connections >= connections_of_address;
     if ((crowded || connections >= connections_max) && !make_room(crowded ? &of : nullptr)) {
@@ -74,14 +75,14 @@ void Listener::seat(Tcp::socket socket) {
     std::make_shared<Visitor>(*this, Seat(connections, of), std::move(socket))->read();
 }
 
-/// One of this address; null: of any.
+/// Closes an HTTP connection of this address; of any address for nullptr. False if there is none.
 bool Listener::make_room(const Neighbour* of) {
     Visitor* first = nullptr;
     for (Visitor* visitor : visitors)
         if ((!of || &visitor->neighbour() == of) && (!first || visitor->goes_before(*first))) first = visitor;
     if (!first) return false;
     refuse("connections");
-    first->send_off(http::status::service_unavailable, "too many connections; this one gave way to another");
+    first->send_off(http::status::service_unavailable, "too many connections; this one was closed to accept another");
     return true;
 }
 

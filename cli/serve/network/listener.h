@@ -15,29 +15,30 @@ namespace tissue::serve {
 class PageSocket;
 class Visitor;
 
-/// What all connections of one server share: the port, the show and its clock, the pages that are connected. One thread's.
+/// Shared by all connections of one server: the port, the show and its clock, the connected pages. Not thread-safe.
 class Listener {
    public:
     Listener(Stage& stage, const ServerOptions& options);
 
-    void listen();                           ///< throws Error when the address or the port cannot be had
+    void listen();                           ///< throws Error when the address or the port is not available
     void accept();
-    void step();                             ///< of the show, and all that follow
-    void finish(const std::string& reason);  ///< no force first; then the clients are told
+    void step();                             ///< a step of the show; schedules the next
+    void finish(const std::string& reason);  ///< stops the force first, then informs the clients
     void tell(Show::Client client, const std::string& text);
     void refuse(const char* kind) { ++traffic.refused[kind]; }
 
-    /// Gives a connection a seat. Where all are taken, the HTTP connection that has most reason to go gives way; a page never does.
+    /// Gives a connection a seat. If all are taken, the HTTP connection with the lowest priority is closed; pages are
+    /// never closed.
     void seat(Tcp::socket socket);
 
     ServerOptions options;
-    const std::string session = draw_secret();  ///< a path, which no other server's pages know
+    const std::string session = draw_secret();  ///< a path that pages of other servers do not have
     Stage& stage;
     int connections = 0, next_client = 0, port = 0;
     bool ending = false;
     std::map<std::string, Neighbour> neighbours;
     std::set<Visitor*> visitors;
-    asio::io_context context{1};  // after what its connections refer to
+    asio::io_context context{1};  // declared after what its connections refer to
     Tcp::acceptor acceptor;
     asio::signal_set signals;
     asio::steady_timer tick, end, again;

@@ -17,7 +17,7 @@ void PageSocket::start(const http::request<http::empty_body>& request) {
         answer.set(http::field::server, std::string("tissuectl/") + version);
     }));
     intake().limit(static_cast<std::size_t>(messages_s) * (longest_message + frame_header));
-    socket_.read_message_max(0);  // the limit is ours, so that it comes with a reason
+    socket_.read_message_max(0);  // the limit is checked here, to answer with a reason
     socket_.auto_fragment(false);
     socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
         if (kind == websocket::frame_type::close || flooded_ || allowance_.take()) return;
@@ -34,7 +34,7 @@ void PageSocket::start(const http::request<http::empty_body>& request) {
 
 void PageSocket::tell(const std::string& text) {
     if (closing_) return;
-    if (texts_.size() >= longest_queue) {  // not now: the show is talking to everyone
+    if (texts_.size() >= longest_queue) {  // dropped later: the show is sending to all clients
         too_slow_ = true;
         return;
     }
@@ -58,7 +58,7 @@ void PageSocket::close(const websocket::close_reason& reason) {
     if (closing_) return;
     closing_ = true;
     leave();
-    if (writing_) {  // after what is on its way
+    if (writing_) {  // after the message that is being sent
         farewell_ = reason;
         return;
     }
@@ -80,12 +80,12 @@ void PageSocket::read() {
 void PageSocket::have_read(Code error) {
     if (error) return gone();
     if (closing_) return;
-    if (!allowance_.take()) return refuse_flood();  // a piece of a message costs as much as a whole one
+    if (!allowance_.take()) return refuse_flood();  // a fragment of a message costs as much as a whole message
     if (buffer_.size() > longest_message)
-        return refuse(websocket::close_code::too_big, {"too_long", fmt::format("a message of more than {} bytes", longest_message)});
+        return refuse(websocket::close_code::too_big, {"too_long", fmt::format("a message longer than {} bytes", longest_message)});
     if (!socket_.is_message_done()) return read();
     ++server_.traffic.messages;
-    if (!socket_.got_text()) return refuse(websocket::close_code::policy_error, {"message", "a message is text"});
+    if (!socket_.got_text()) return refuse(websocket::close_code::policy_error, {"message", "a message must be text"});
     const std::string text = beast::buffers_to_string(buffer_.data());
     buffer_.consume(buffer_.size());
     if (const std::optional<Refusal> refusal = server_.show.hear(client_, text, now_s()))

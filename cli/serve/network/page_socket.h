@@ -13,7 +13,7 @@ class Listener;
 
 using Text = std::shared_ptr<const std::string>;
 
-/// One page: a WebSocket.
+/// The WebSocket of one page.
 class PageSocket : public std::enable_shared_from_this<PageSocket> {
    public:
     PageSocket(Listener& server, Seat seat, Stream stream, Show::Client client)
@@ -23,7 +23,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
     void tell(const std::string& text);
     void offer(const std::shared_ptr<const Frame>& state);
 
-    /// States of a model that runs no more are worth nothing.
+    /// Drops the state of a model that no longer runs.
     void forget_state() {
         state_.reset();
         coder_.forget();
@@ -31,7 +31,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
 
     void check_speed();
 
-    /// Says why, closes, and waits for the other side only as long as the timeouts allow.
+    /// Sends the reason, closes, and waits for the other side only as long as the timeouts allow.
     void close(const websocket::close_reason& reason);
     void say_bye(const std::string& reason);
 
@@ -46,7 +46,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
     void refuse(websocket::close_code code, const Refusal& refusal);
     void write();
 
-    /// Without a word: it would not be read.
+    /// Closes without a reason, because it would not be read.
     void drop(const char* kind);
     void leave();
     void gone();
@@ -57,7 +57,7 @@ class PageSocket : public std::enable_shared_from_this<PageSocket> {
     Show::Client client_;
     beast::flat_buffer buffer_;
     std::deque<Text> texts_;
-    std::shared_ptr<const Frame> state_;   ///< the newest that has not been sent
+    std::shared_ptr<const Frame> state_;   ///< the newest state that has not been sent
     FrameCoder coder_;
     std::optional<websocket::close_reason> farewell_;
     Allowance allowance_{messages_s};

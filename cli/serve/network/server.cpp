@@ -40,7 +40,7 @@ void Server::run() {
     if (s.options.seconds > 0) {
         s.end.expires_after(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s.options.seconds)));
         s.end.async_wait([&s](Code error) {
-            if (!error) s.finish("the time is up");
+            if (!error) s.finish("the time limit of the session is reached");
         });
     }
     s.accept();

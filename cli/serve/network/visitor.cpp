@@ -67,7 +67,7 @@ void Visitor::have_read(Code error) {
     answer(answer_to(request));
 }
 
-/// Why a request is not looked at.
+/// Why a request is refused; nullopt when it is let in.
 std::optional<Visitor::Answer> Visitor::refusal(const http::request<http::empty_body>& request) {
     const std::string host = view(request[http::field::host]), origin = view(request[http::field::origin]), target = view(request.target()),
                       cookie = view(request[http::field::cookie]);
@@ -76,28 +76,28 @@ std::optional<Visitor::Answer> Visitor::refusal(const http::request<http::empty_
     if (!why) admitted_ = true;
     Neighbour& of = seat_.neighbour();
     if (!(why ? of.others : of.admitted).take()) {
-        Answer refused = refuse("requests", http::status::too_many_requests, fmt::format("more than {} requests a second of one address", requests_s));
+        Answer refused = refuse("requests", http::status::too_many_requests, fmt::format("more than {} requests a second from one address", requests_s));
         refused.head.set(http::field::retry_after, "1");
         return refused;
     }
     if (why) return refuse(why->kind, std::string(why->kind) == "token" ? http::status::unauthorized : http::status::forbidden, why->reason);
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
-        Answer refused = refuse("method", http::status::method_not_allowed, "only GET and HEAD");
+        Answer refused = refuse("method", http::status::method_not_allowed, "only GET and HEAD are allowed");
         refused.head.set(http::field::allow, "GET, HEAD");
         return refused;
     }
-    if (!parser_->is_done()) return refuse("body", http::status::payload_too_large, "a request has no body");
+    if (!parser_->is_done()) return refuse("body", http::status::payload_too_large, "a request must have no body");
     return {};
 }
 
 Visitor::Answer Visitor::answer_to(const http::request<http::empty_body>& request) {
     const std::string target = view(request.target());
     const std::string_view path = path_of(target);
-    if (path == "/ws") return text(http::status::bad_request, "a WebSocket");
+    if (path == "/ws") return text(http::status::bad_request, "only for a WebSocket");
     if (path == "/healthz") return text(http::status::ok, "ok");
     if (const std::string& surface = server_.show.stage().scene().carried(); path == "/surface" && !surface.empty()) {
         Answer bytes = text(http::status::ok, "");
-        bytes.file = surface;  // which stays as it is while the server runs
+        bytes.file = surface;  // constant while the server runs
         bytes.head.set(http::field::content_type, "application/octet-stream");
         return bytes;
     }
@@ -106,8 +106,10 @@ Visitor::Answer Visitor::answer_to(const http::request<http::empty_body>& reques
         metrics.head.set(http::field::content_type, "text/plain; version=0.0.4; charset=utf-8");
         return metrics;
     }
-    if (const auto token = token_in_query(target); path == "/" && token && !server_.options.token.empty()) {  // out of the address bar
-        // Lax: a browser that follows a link of another site, as of mail, would not send a Strict cookie on to where it is led
+    // removes the token from the address bar
+    if (const auto token = token_in_query(target); path == "/" && token && !server_.options.token.empty()) {
+        // Lax: after a link on another site, such as in a mail, a browser would not send a Strict cookie to the
+        // redirected address
         Answer moved = text(http::status::see_other, "the page is at its own path");
         moved.head.set(http::field::location, "/" + server_.session + "/");
         moved.head.set(http::field::set_cookie, fmt::format("{}={}; Path=/{}/; HttpOnly; SameSite=Lax", cookie_name(server_.port), *token, server_.session));
@@ -118,7 +120,7 @@ Visitor::Answer Visitor::answer_to(const http::request<http::empty_body>& reques
 
 Visitor::Answer Visitor::page(const http::request<http::empty_body>& request, std::string_view path) {
     const PageFile* file = page_file(path);
-    if (!file) return text(http::status::not_found, "there is nothing here");
+    if (!file) return text(http::status::not_found, "not found");
     Answer page;
     page.head.result(http::status::ok);
     page.file = file->text;
@@ -130,7 +132,7 @@ Visitor::Answer Visitor::page(const http::request<http::empty_body>& request, st
 
 void Visitor::upgrade(const http::request<http::empty_body>& request) {
     if (!websocket::is_upgrade(request)) {
-        Answer refused = refuse("malformed", http::status::upgrade_required, "a WebSocket");
+        Answer refused = refuse("malformed", http::status::upgrade_required, "only for a WebSocket");
         refused.head.set(http::field::upgrade, "websocket");
         return answer(std::move(refused));
     }
@@ -157,14 +159,14 @@ void Visitor::check_time() {
         }
         return;
     }
-    if (!spoke_ && admitted_) {  // between two requests: a browser opens another one
+    if (!spoke_ && admitted_) {  // between two requests, after which a browser opens another connection
         if (past > whole) close();
     } else if (!spoke_ && past > std::chrono::duration<double>(first_byte_time).count()) {
         server_.refuse("late");
-        send_off(http::status::request_timeout, fmt::format("nothing came within {} s", first_byte_time.count()));
+        send_off(http::status::request_timeout, fmt::format("no data was received within {} s", first_byte_time.count()));
     } else if (past > whole) {
         server_.refuse("late");
-        send_off(http::status::request_timeout, fmt::format("no whole request came within {} s", request_time.count()));
+        send_off(http::status::request_timeout, fmt::format("no complete request was received within {} s", request_time.count()));
     }
 }
 
@@ -188,7 +190,7 @@ void Visitor::send_off(Tcp::socket& socket, http::status status, const std::stri
     Code ignored;
     socket.write_some(asio::buffer(head_text(last.head) + last.text), ignored);
     socket.shutdown(Tcp::socket::shutdown_send, ignored);
-    char unread[4096];  // or the system would take the answer back
+    char unread[4096];  // with unread bytes the system would discard the answer
     for (int k = 0; k < 16 && socket.read_some(asio::buffer(unread), ignored) == sizeof unread; ++k) {}
 }
 
@@ -220,7 +222,8 @@ void Visitor::answer(Answer given) {
     head.keep_alive(keep_);
     head.content_length(body.size());
     head_ = head_text(head);
-    const bool bare = parser_->is_header_done() && parser_->get().method() == http::verb::head;  // its length stays
+    // the content length of a HEAD answer stays
+    const bool bare = parser_->is_header_done() && parser_->get().method() == http::verb::head;
     rest_.emplace(std::array{asio::const_buffer(head_.data(), head_.size()), asio::const_buffer(body.data(), bare ? 0 : body.size())});
     written_ = 0;
     answering_ = true;
@@ -239,7 +242,8 @@ void Visitor::write() {
     });
 }
 
-/// Takes in what still comes, for a second: the system takes an answer back when its connection is closed with bytes unread.
+/// Reads and discards what still arrives, for a second. If a connection is closed with unread bytes, the system
+/// discards the answer.
 void Visitor::linger() {
     Code ignored;
     stream_.socket().shutdown(Tcp::socket::shutdown_send, ignored);
@@ -257,7 +261,7 @@ void Visitor::discard(int times) {
     });
 }
 
-/// The seat is free at once; what is under way ends by itself.
+/// Frees the seat at once; pending operations end by themselves.
 void Visitor::close() {
     if (gone_) return;
     gone_ = true;

@@ -10,7 +10,7 @@ namespace tissue::serve {
 
 class Listener;
 
-/// One connection that speaks HTTP, and may become a page's WebSocket.
+/// One HTTP connection, which may become the WebSocket of a page.
 class Visitor : public std::enable_shared_from_this<Visitor> {
    public:
     Visitor(Listener& server, Seat seat, Tcp::socket socket);
@@ -20,15 +20,16 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
 
     void read();
 
-    /// Ends it where it is late: with its first byte, its request, or in taking an answer.
+    /// Closes the connection if it is late: with its first byte, with its request, or in receiving an answer.
     void check_time();
 
-    /// Whether it gives its seat to a newcomer before another one does: who has not been admitted first, then who waits between two requests; of these
-    /// one of the address with most connections, and then the oldest.
+    /// Whether this connection is closed before `other` to make room. First are those without a valid request, or that
+    /// are closing; then those that receive no answer at present. Among equals the first is of the address with most
+    /// connections, then the oldest.
     bool goes_before(const Visitor& other) const;
     const Neighbour& neighbour() const { return seat_.neighbour(); }
 
-    /// Ends it with a reason, which waits for nobody, and frees its seat.
+    /// Sends a reason without waiting, closes, and frees the seat.
     void send_off(http::status status, const std::string& reason);
     static void send_off(Tcp::socket& socket, http::status status, const std::string& reason);
 
@@ -36,7 +37,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     struct Answer {
         http::response<http::empty_body> head;
         std::string text;
-        std::string_view file;  ///< of the page; else `text`
+        std::string_view file;  ///< a file of the page; if empty, `text` is sent
     };
 
     void read_header();
@@ -61,9 +62,10 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     std::optional<http::request_parser<http::empty_body>> parser_;
     Answer answer_;
     std::string head_;
-    std::optional<beast::buffers_suffix<std::array<asio::const_buffer, 2>>> rest_;  ///< of the answer that is being written
+    /// the rest of the answer that is being sent
+    std::optional<beast::buffers_suffix<std::array<asio::const_buffer, 2>>> rest_;
     std::size_t written_ = 0;
-    Clock::time_point since_ = Clock::now();  ///< of what it does now
+    Clock::time_point since_ = Clock::now();  ///< start of the present action
     bool keep_ = false, admitted_ = false, spoke_ = false, answering_ = false, lingering_ = false, gone_ = false;
 };
 

@@ -1,6 +1,7 @@
-/* Presses a tissue by a file of positions: press MODEL.h5 [NAME VALUE]... < POSITIONS
- * Each line of standard input is x y z [m] of the device, a tick; each of standard output the force on the hand [N], in
- * hexadecimal so that no bit is lost. Built by: cc press.c $(pkg-config --cflags --libs tissue-c) */
+/* Indents a tissue along a file of device positions: press MODEL.h5 [NAME VALUE]... < POSITIONS
+ * Each line of standard input is a device position x y z [m] of one tick. Each line of standard output is the force on
+ * the hand [N], in hexadecimal, so that no bit is lost.
+ * Build: cc press.c $(pkg-config --cflags --libs tissue-c) */
 #include <stdio.h>
 #include <stdlib.h>
 #include <tissue.h>
@@ -16,12 +17,12 @@ int main(int count, char **argument) {
         return 2;
     }
     tissue_session *tissue = NULL;
-    /* what main() is given ends with NULL, as a list of options does */
+    /* argument[] ends with NULL, as the list of options must */
     if (tissue_open(argument[1], (const char *const *)argument + 2, &tissue) != TISSUE_OK) return fail();
 
     double position[3], force[3];
     while (scanf("%lf %lf %lf", &position[0], &position[1], &position[2]) == 3) {
-        /* a refused position is no reason to stop: the force is zero then */
+        /* continue after a refused position: its force is zero */
         const tissue_status status = tissue_tick(tissue, position, 0, force);
         if (status != TISSUE_OK) fprintf(stderr, "press: %s\n", tissue_status_text(status));
         printf("%a %a %a\n", force[0], force[1], force[2]);

@@ -1,6 +1,7 @@
-"""Presses a tissue, and draws what it feels like: press.py MODEL.h5 PICTURE.png
+"""Indents a tissue and plots the force: press.py MODEL.h5 PICTURE.png
 
-The force of a press that comes and goes, tick by tick; and the force of one and the same push all along the surface. Every step is a cell of a notebook."""
+First the force of one indentation and release, tick by tick. Then the force at rest of equal indentations along the
+surface. Each step is a notebook cell."""
 import sys
 
 import matplotlib
@@ -12,7 +13,7 @@ import tissue
 
 model_file, picture = sys.argv[1:]
 
-# %% a model, and where its surface's top is
+# %% a model and the top of its surface
 model = tissue.Model(model_file)
 print(model)
 low, high = model.nodes.min(axis=0), model.nodes.max(axis=0)
@@ -20,9 +21,9 @@ middle = (low + high) / 2
 middle[-1] = high[-1]
 depth = 0.05 * (high[-1] - low[-1])
 
-# %% half a second down, half a second up: a thousand ticks
+# %% indent for half a second, release for half a second: a thousand ticks
 t = np.arange(1000) * 1e-3
-height = 0.002 - (depth + 0.002) * np.sin(np.pi * t) ** 2   # from 2 mm above the tissue
+height = 0.002 - (depth + 0.002) * np.sin(np.pi * t) ** 2   # starts 2 mm above the tissue
 positions = np.zeros((len(t), 3))
 positions[:, :model.dimension] = middle
 positions[:, model.dimension - 1] += height
@@ -31,7 +32,7 @@ force = session.ticks(positions)
 assert force.any()
 print(f"largest force {np.linalg.norm(force, axis=1).max():.3g} N, {session.counts['ticks']} ticks")
 
-# %% at rest: the same push at thirty places along the top
+# %% in equilibrium: the same tool displacement at thirty places along the top
 along = np.linspace(low[0] + 0.1 * (high[0] - low[0]), high[0] - 0.1 * (high[0] - low[0]), 30)
 contacts = np.tile(middle, (len(along), 1))
 contacts[:, 0] = along
@@ -40,7 +41,7 @@ pushes[:, -1] = -depth
 rest, shape, why = model.press(contacts, pushes)
 print(f"{sum(reason == '' for reason in why)} of {len(why)} pushes have a rest")
 
-# %% a picture
+# %% plot
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
 left.plot(-1e3 * height, force[:, model.dimension - 1])
 left.set(xlabel="depth of the device (mm)", ylabel="force on the hand (N)", title="a press of a second")

@@ -1,5 +1,5 @@
-// A stand-in for the vendor's libHD.so, written from its manual's function names: one device, a servo thread at about
-// 1 kHz, and functions of its own by which a test plays the hand.
+// A stand-in for the vendor's libHD.so, with the function names of its manual: one device, a servo thread at about 1
+// kHz, and functions by which a test sets the hand's position.
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -16,6 +16,7 @@ struct ErrorInfo {
 std::mutex guard;
 double position_mm[3], force_N[3];
 std::atomic<unsigned> error{0};
+std::atomic<int> buttons{0};
 std::atomic<bool> running{false}, enabled{false};
 unsigned (*callback)(void*) = nullptr;
 void* callback_data = nullptr;
@@ -52,6 +53,7 @@ void hdGetDoublev(unsigned what, double* values) {
     const std::lock_guard<std::mutex> lock(guard);
     for (int k = 0; k < 3; ++k) values[k] = what == 0x2050 ? position_mm[k] : 0;
 }
+void hdGetIntegerv(unsigned what, int* values) { *values = what == 0x2000 ? buttons.load() : 0; }
 void hdSetDoublev(unsigned what, const double* values) {
     const std::lock_guard<std::mutex> lock(guard);
     for (int k = 0; k < 3 && what == 0x2700 && enabled; ++k) force_N[k] = values[k];
@@ -69,5 +71,6 @@ void stand_in_get_force(double* values) {
     for (int k = 0; k < 3; ++k) values[k] = force_N[k];
 }
 int stand_in_running() { return running; }
+void stand_in_set_buttons(int down) { buttons = down; }
 void stand_in_set_error(unsigned code) { error = code; }
 }

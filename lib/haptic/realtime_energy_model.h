@@ -1,0 +1,192 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "haptic/realtime_mesh.h"
+#include "haptic/state_bytes.h"
+#include "springs/cell_volumes.h"
+#include "springs/ball_contact.h"
+#include "springs/contact_patch.h"
+#include "springs/patch_sizes.h"
+#include "springs/tissue_energy.h"
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+/// The part of an energy model that may change during a session. Sizes stay as they are.
+struct EnergyModelStiffness {
+    Eigen::VectorXd constants;          ///< of a TissueEnergy [N/m] (E), all > 0
+    ContactParameters patch;                     ///< contact stiffnesses
+    Eigen::VectorXd contact_log_scale;  ///< log of a factor on the contact stiffness at each node (N)
+};
+
+/// Energy that the Maxwell branches of an energy model store, and energy that they have dissipated, without those of
+/// its contact.
+struct BranchEnergies {
+    double stored_J = 0, dissipated_J = 0;
+};
+
+/// The energy model of a TissueModel in the layout of the tick: forces of a TissueEnergy and of its contacts. Holds
+/// constants, no state.
+///
+/// Springs are in the bands of a RealtimeMesh. In the plane the squares of a lattice form one contiguous run of slots,
+/// one per node. The force of a square acts at the ends of its diagonals. Any other region is stored as closed walks
+/// along its outline. In space, cubes form runs whose first nodes are consecutive. The force of a cube acts at its
+/// eight corners and follows from the displacement gradient at the centroid of its tissue.
+class RealtimeEnergyModel {
+   public:
+    /// springs: layout of the model's mesh, with the spring curve of its energy model; must outlive this object.
+    /// ball_m: radius of the ball that is the tool [m]; 0: the model's own disc or patch.
+    /// Throws MismatchError for a model without an energy model, for springs of another kind or curve, for constants or
+    /// relative moduli that do not fit the mesh, and for cubes that are not numbered as in a lattice.
+    RealtimeEnergyModel(const TissueModel& model, const RealtimeMesh& springs, double ball_m = 0);
+    /// A copy on the same springs whose stiffness changes independently (become()). Each session has its own.
+    RealtimeEnergyModel(const RealtimeEnergyModel& other);
+    RealtimeEnergyModel& operator=(const RealtimeEnergyModel&) = delete;
+
+    /// Working memory of force(), one per caller. Rows of u without a node stay 0.
+    struct Scratch {
+        NodeColumns u, f;  ///< by row (LatticeRows); empty where row i is node i
+    };
+    Scratch scratch() const;
+
+    /// f = dW/du [N] (N x D): the nodal forces that hold u [m] (N x D), at fixed nodes too. scratch: made by scratch().
+    /// memory: of an energy model that relaxes, made by memory(); it advances by one step, to u. An empty memory gives
+    /// the instantaneous model. Allocates nothing; the cost is proportional to the number of springs, outline edges and
+    /// cells.
+    void force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory& memory) const noexcept;
+    void force(const NodeColumns& u, NodeColumns& f, Scratch& scratch) const noexcept;  ///< of the instantaneous model
+
+    /// State of the Maxwell branches for steps of dt_s, relaxed at rest; empty where the model does not relax.
+    BranchMemory memory(double dt_s) const;
+    /// The same of a contact.
+    ToolMemory tool_memory(double dt_s) const;
+    /// Largest relaxation time; 0 where the model does not relax.
+    double slowest_s() const { return relaxation_.empty() ? 0 : relaxation_.tau_s.maxCoeff(); }
+
+    /// W of the instantaneous model [J], without a contact's energy.
+    double energy(const NodeColumns& u) const;
+    /// Energy [J] that springs, cells, supports and Maxwell branches store at u, one step after the state in `memory`.
+    double energy(const NodeColumns& u, BranchMemory memory) const;
+
+    /// Energies of the branches, with the present constants. 0 for a memory without an energy log (BranchMemory::book).
+    BranchEnergies branches(const BranchMemory& memory) const;
+
+    /// Sets `tool` to the contact at a place of the mesh's boundary, with the same energy as in training and evaluation
+    /// (ContactKernel::tool_at). facet, weight: the place. push_m: tool displacement d (D). A ball's contact depends on
+    /// d and u (springs/ball_indentation.h); any other does not. On entry `tool` is the same contact at the previous tick, or
+    /// a tool without growth where the contact is new. Allocates nothing.
+    void contact(int facet, const Eigen::Vector3d& weight, const Point& push_m, const NodeColumns& u, ToolSpring& tool) const noexcept;
+    bool contact_grows() const { return ball_.radius_m > 0; }  ///< with the tool displacement: a ball's
+    /// The same for a given growth, as of a ball. A growth of radius 0 gives the contact of the model's own disc or
+    /// patch.
+    void contact(int facet, const Eigen::Vector3d& weight, const ToolSpring::Growth& growth, ToolSpring& tool) const noexcept;
+
+    /// Replaces displacements u near the tool by the displayed ones (ContactKernel::show_skin). Allocates nothing.
+    void show_skin(int facet, const Eigen::Vector3d& weight, const Point& push_m, NodeColumns& u) const noexcept;
+
+    double spacing_m() const { return kernel_->spacing_m(); }  ///< mean distance of the free surface's nodes
+
+    const EnergyModelStiffness& stiffness() const { return now_; }
+    const Relaxation& relaxation() const { return relaxation_; }
+    /// Replaces the stiffness by another of the same sizes, between ticks. States of Maxwell branches stay as they are.
+    /// Allocates nothing.
+    void become(const EnergyModelStiffness& stiffness) noexcept;
+
+    /// Saves or restores what become() changes.
+    void fields(StateBytes& state) noexcept;
+
+   private:
+    /// Squares with corners at nodes n, n + b, n + c and n + d, n = first + k of slot k. Slots without a square have
+    /// gain 0.
+    /// With T twice the change of area, a square stores gain T^2 / 2 = A (area - a)^2 / (2 a), a: the area at rest.
+    struct Squares {
+        int first = 0, count = 0, b = 0, c = 0, d = 0;
+        std::vector<double> px, py, qx, qy;  ///< rest diagonals, first to third and second to fourth corner [m]
+        std::vector<double> gain;            ///< A / (4 a) [N/m3]
+        std::vector<Eigen::Index> constant;  ///< index of the square's constant; -1 where the slot has no square
+    };
+    /// A region: steps [begin, end) of walk_, which follow its outline in closed walks. Its energy is as a square's.
+    struct Region {
+        int begin, end;
+        double gain;  ///< A / (4 a) [N/m3]
+        Eigen::Index constant;
+    };
+    struct Step {
+        int node, before, after;
+        double x, y;  ///< rest position of `after` minus that of `before` [m]
+    };
+    /// Cubes of an embedded lattice, in slots. The corners of slot first_slot + k of a run are rows first_row + k +
+    /// corner[c]. Slots without a cube have gain 0. A slot's growth is J - 1 at the centroid of its tissue, J: the
+    /// ratio of volumes.
+    struct Cubes {
+        struct Run {
+            int first_row, first_slot, count;
+            int corner[8];               ///< corner[1] is 1; each odd entry is the even one before it plus 1
+        };
+        std::vector<Run> runs;
+        double per_m = 0;                ///< 1 / edge
+        std::vector<double> centroid[3]; ///< of their tissue, from corner 0, in edges
+        std::vector<double> gain;        ///< A V [Nm] of A V (J - 1)^2 / 2
+        std::vector<Eigen::Index> constant;
+
+        int count() const { return static_cast<int>(gain.size()); }
+    };
+    /// Fixed points of an embedded solid, each held by a spring to its place at rest.
+    struct Supports {
+        /// first entry of each support in the next two arrays, and their length (M + 1)
+        std::vector<int> begin;
+        /// lattice nodes with a weight that is not 0; four for a support in a lattice plane
+        std::vector<int> corner;
+        std::vector<double> weight;      ///< of these nodes, in the interpolation of the point's displacement
+        std::vector<double> gain;        ///< [N/m] (M)
+        Eigen::Index first_constant = 0;
+
+        Eigen::Vector3d moved(std::size_t m, const NodeColumns& u) const noexcept;  ///< displacement of support m [m]
+    };
+    // first, first_constant: index of the kind's first constant among those of the energy model
+    void add_plane_cells(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
+    bool add_squares(const Elements& cells, const Eigen::VectorXd& constants, Eigen::Index first);
+    void add_region(const std::vector<std::array<int, 2>>& edges, double constant, Eigen::Index index);
+    void add_cubes(const TissueModel& model, const CellVolumes& cells, Eigen::Index first);
+    void supports_force(const NodeColumns& u, NodeColumns& f) const noexcept;
+    double supports_energy(const NodeColumns& u) const noexcept;
+    template <class Of>
+    double sum_of_elements(const Of& of_element) const;
+    double twice_growth(const Region& region, const NodeColumns& u) const noexcept;
+    void squares_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    void regions_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    void cubes_grown(const Cubes::Run& run, int done, int n, const NodeColumns& u, double* g, double* grown) const noexcept;
+    void cubes_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    double cubes_energy(const NodeColumns& u) const noexcept;
+    void elements_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
+    void all_force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory* memory) const noexcept;
+
+    /// Contact of a ball at a place and a tool displacement (springs/ball_contact.h).
+    struct BallAt {
+        Eigen::Vector3d push_m, inward;
+        /// R_e, depth d, contact radius a [m], and da / dd [1], which is 0 where a is the smallest radius
+        double effective_m, depth_m, radius_m, growth;
+    };
+    BallAt ball_at(int facet, const Eigen::Vector3d& weight, const Point& push_m) const noexcept;
+
+    const RealtimeMesh& springs_;
+    SkinParameters skin_;
+    EnergyModelStiffness now_;
+    Eigen::VectorXd theta_;  ///< of springs, by slot [N/m] (P)
+    Relaxation relaxation_;
+    int first_square_ = 0, first_region_ = 0, first_cube_ = 0;  ///< first elements in a BranchMemory, after the springs
+    std::vector<Eigen::Index> spring_of_slot_;                  ///< -1 where the slot has no spring (P)
+    Squares squares_;
+    std::vector<Region> regions_;
+    std::vector<Step> walk_;
+    Cubes cubes_;
+    Supports supports_;
+    std::unique_ptr<ContactKernel> kernel_;
+    BallContact ball_;   ///< radius 0: the tool is no ball
+    PatchSizes sizes_;   ///< contact stiffnesses by radius, for a ball
+};
+
+}  // namespace tissue

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "springs/tissue_model.h"
+
+namespace tissue {
+
+/// Writes group /law of model.h5 (law_table, springs/tissue_table.h).
+void write_law(Hdf5Writer& file, const EnergyModel& law);
+
+/// Reads group /law. mesh: the valid mesh of the same file. Throws FileError, "FILE: DATASET: WHY", for data that are
+/// not an energy model of this mesh.
+EnergyModel read_law(const Hdf5Reader& file, const SpringMesh& mesh);
+
+}  // namespace tissue
