@@ -233,14 +233,14 @@ TEST_CASE("a surface that is open or meets itself or has no valid fixed part is 
         mesh.triangles[static_cast<std::size_t>(k)].physical = k + 1;
         mesh.triangle_names[k + 1] = fmt::format("part {:02}", k + 1);
     }
-    CHECK(said(mesh, {"top"}).find("it has part 01, part 02, part 03, part 04, part 05, part 06, part 07, part 08, part 09, part 10, part 11, part 12") != std::string::npos);
+    CHECK(said(mesh, {"top"}).find("its surfaces: part 01, part 02, part 03, part 04, part 05, part 06, part 07, part 08, part 09, part 10, part 11, part 12") != std::string::npos);
     mesh.points.push_back({50, 50, 50});  // divides the diagonal of the top
     mesh.triangles[2] = {3, {4, 5, 8}, 3};
     mesh.triangles.push_back({13, {4, 8, 6}, 13});
     mesh.triangles[3] = {4, {5, 7, 8}, 4};
     mesh.triangles.push_back({14, {8, 7, 6}, 13});
     mesh.triangle_names[13] = "part 13";
-    CHECK(said(mesh, {"top"}).find("it has part 01, part 02, ..., part 13") != std::string::npos);
+    CHECK(said(mesh, {"top"}).find("its surfaces: part 01, part 02, ..., part 13") != std::string::npos);
     CHECK(said(box(), {"bottom", "rest"}).find("all of the surface is fixed") != std::string::npos);
     CHECK(said(box(), {}).find("no part of its surface is fixed") != std::string::npos);
     mesh = box();

@@ -48,7 +48,7 @@ TEST_CASE("measured forces train an energy model and keys of displacement errors
 
 TEST_CASE("spring sets with measured data are refused in one line with key and cause", "[measured]") {
     const auto check = [](const std::string& line) {
-        CHECK_THAT(line, Contains("key 'springs.stiffness'") && Contains("\"law\" beside [data]") && Contains("is not measured"));
+        CHECK_THAT(line, Contains("key 'springs.stiffness'") && Contains("\"law\" with [data]") && Contains("is not measured"));
         CHECK(line.find('\n') == std::string::npos);
     };
     check(said("stiffness = \"law\"", "stiffness = \"sets\""));

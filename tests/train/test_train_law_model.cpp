@@ -372,7 +372,7 @@ TEST_CASE("a fit that misses its tolerances or an equilibrium is reported as bro
     EnergyModelDiagnostics book = *read_trained_model(law_file()).books.law;
     CHECK(endings_of(book).broken.empty());
     book.lost = {"left at 8 mm: lost at 5 mm"};
-    CHECK_THAT(endings_of(book).broken.at(0), Contains("of 4 pushes 1"));
+    CHECK_THAT(endings_of(book).broken.at(0), Contains("of 4 load cases 1"));
     book.lost.clear();
     for (const char* word : {"no_progress", "held_back", "iterations_done"}) {
         book.status = {word};
