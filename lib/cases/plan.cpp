@@ -74,7 +74,7 @@ std::string train_part(const Study& s) {
         if (s.nodule) parts += fmt::format("shares nodule {}\n", fmt::join(s.nodule->share, " "));
     }
     if (s.springs.is_energy_model())
-        return parts + (s.springs.spacing_m > 0 ? fmt::format("spacing {}\n", s.springs.spacing_m) : "") + fmt::format("law {} cap {} {}\nterms {}\nmodulus {}\ndensity {}\nthickness {}\nscales {} {} ridge {}\nstarts {} seed {}\n",
+        return parts + (s.springs.spacing_m > 0 ? fmt::format("spacing {}\n", s.springs.spacing_m) : "") + (s.springs.hookean ? "" : "curve material\n") + fmt::format("law {} cap {} {}\nterms {}\nmodulus {}\ndensity {}\nthickness {}\nscales {} {} ridge {}\nstarts {} seed {}\n",
                                      s.springs.topology, s.springs.area_cap_E2, s.material.formulation, fmt::join(s.springs.terms, " "),
                                      s.modulus_N_m(), s.material.density_kg_m3, s.geometry.thickness_m, t.force_scale,
                                      t.shape_scale, t.ridge, t.starts, t.seed);

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "../example.h"
+#include "../solid_example.h"
 #include "../refusal.h"
 #include "error.h"
 
@@ -89,6 +90,15 @@ TEST_CASE("the same study gives the same plan") {
     const Plan a = make_plan(example_study()), b = make_plan(example_study());
     CHECK(a.fragment == b.fragment);
     CHECK(a.parts == b.parts);
+}
+
+TEST_CASE("changing the curve of springs in space changes the part train only") {
+    const auto parts = [](const std::string& curve) { return make_plan(example_study(with(solid_study_text(), "stiffness = \"law\"", "stiffness = \"law\"\ncurve = \"" + curve + "\""))).parts; };
+    auto hooke = parts("hooke");
+    const auto material = parts("material");
+    CHECK(hooke.at("train") != material.at("train"));
+    hooke["train"] = material.at("train");
+    CHECK(hooke == material);
 }
 
 TEST_CASE("changing training or spring settings or density changes the part train only") {
