@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "error.h"
+#include "io/hdf5_store.h"
+#include "version.h"
 #include "export/csv.h"
 #include "export/solid_model_tables.h"
 #include "mesh/embedded_lattice.h"
@@ -164,6 +166,18 @@ TEST_CASE("adapted contacts of a model in space are exported", "[export][solid]"
     CHECK(csv_files(model, pressed_cases(model, "")).count("surface.csv") == 0);
     model.energy_model->contact_log_scale = Eigen::VectorXd::LinSpaced(model.mesh.node_count(), 0, 0.25);
     CHECK_THAT(csv_files(model, pressed_cases(model, "")).at("surface.csv"), StartsWith("node,contact_log_scale\n0,0\n") && EndsWith(fmt::format("{},0.25\n", model.mesh.node_count() - 1)));
+}
+
+TEST_CASE("a model whose contact hardens in compression alone has its own format version and is read back", "[export][solid]") {
+    const TemporaryFolder folder;
+    TissueModel model = solid_example();
+    CHECK(contact_table(model, {1}).hardening(0, 3) == 0);
+    model.energy_model->terms.back() = "contact.compression";
+    model.energy_model->patch.curve = ContactCurve::compression;
+    write_model(folder.file("model.h5"), model, {"tissuectl test", 0, {}});
+    CHECK(Hdf5Reader(folder.file("model.h5"), "model").number_attribute("/", "format_version") == pulled_format_version);
+    CHECK(read_model(folder.file("model.h5")).energy_model->patch.curve == ContactCurve::compression);
+    CHECK(contact_table(model, {1}).hardening(0, 3) == 1);
 }
 
 TEST_CASE("a softening contact is read back from model.h5", "[export][solid]") {

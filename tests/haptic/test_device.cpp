@@ -96,6 +96,7 @@ class StandIn {
         find("stand_in_set_position", set_position);
         find("stand_in_get_force", get_force);
         find("stand_in_set_error", set_error);
+        find("stand_in_set_buttons", set_buttons);
         find("stand_in_running", running);
     }
     ~StandIn() { dlclose(handle_); }
@@ -107,6 +108,7 @@ class StandIn {
     void (*set_position)(double, double, double) = nullptr;
     void (*get_force)(double*) = nullptr;
     void (*set_error)(unsigned) = nullptr;
+    void (*set_buttons)(int) = nullptr;
     int (*running)() = nullptr;
 
    private:
@@ -452,6 +454,13 @@ TEST_CASE("openhaptics reads millimetres and sets the force to zero when ticks c
         DeviceSample s;
         CHECK(wait_for([&] { return (s = device.read(0.03)).valid; }));
         CHECK((s.position_m - Eigen::Vector3d(0.01, -0.02, 0.03)).norm() < 1e-15);
+        CHECK(!s.grasp);
+        vendor.set_buttons(2);  // the second button alone
+        wait_ms(10);
+        CHECK(!device.read(0.03).grasp);
+        vendor.set_buttons(1);
+        CHECK(wait_for([&] { return device.read(0.03).grasp; }));
+        vendor.set_buttons(0);
         double youngest_s = 1;
         for (int k = 1; k <= 20; ++k) {
             wait_ms(3);

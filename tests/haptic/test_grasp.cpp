@@ -6,6 +6,7 @@
 #include "../example.h"
 #include "../refusal.h"
 #include "../springs/several_discs.h"
+#include "graspable.h"
 #include "hand.h"
 #include "haptic/virtual_device.h"
 #include "haptic_example.h"
@@ -62,21 +63,12 @@ struct Led {
     }
 };
 
-/// A model in space whose contact can be pulled.
-TissueModel solid() {
-    TissueModel tissue = solid_example();
-    for (std::string& term : tissue.energy_model->terms)
-        if (term == "contact.hardening") term = "contact.compression";
-    tissue.energy_model->patch.curve = ContactCurve::compression;
-    return tissue;
-}
-
 Eigen::Vector3d above(const Eigen::Vector3d& at) { return at - 0.005 * inward; }
 
 }  // namespace
 
 TEST_CASE("a tool that grasps lifts the tissue to the equilibrium of the energy model at any rate of ticks", "[grasp][long]") {
-    const TissueModel tissue = solid();
+    const TissueModel tissue = graspable_solid();
     const HapticModel model(tissue, one_mesh());
     const IndentationSolver press(tissue);
     for (const double rate_Hz : {1000.0, 4000.0, 100.0}) {
@@ -101,7 +93,7 @@ TEST_CASE("a tool that grasps lifts the tissue to the equilibrium of the energy 
 }
 
 TEST_CASE("a tool without a grasp leaves the tissue and a grasp that goes off drops it", "[grasp]") {
-    const HapticModel model(solid(), one_mesh());
+    const HapticModel model(graspable_solid(), one_mesh());
     Led hand(model, above(place));
     hand.lead(place + 5e-4 * inward);
     hand.lead(place - 0.004 * inward);
@@ -132,7 +124,7 @@ TEST_CASE("a tool without a grasp leaves the tissue and a grasp that goes off dr
 TEST_CASE("a grasp lets go above its limit and begins again only when it has been off", "[grasp]") {
     HapticOptions options = one_mesh();
     options.grasp_max_N = 0.1;
-    const HapticModel model(solid(), options);
+    const HapticModel model(graspable_solid(), options);
     Led hand(model, above(place));
     hand.take(place);
     double most_N = 0;
@@ -163,7 +155,7 @@ TEST_CASE("a grasp lets go above its limit and begins again only when it has bee
 }
 
 TEST_CASE("a grasp in the air takes nothing, and neither does one of a ball", "[grasp]") {
-    const HapticModel model(solid(), one_mesh());
+    const HapticModel model(graspable_solid(), one_mesh());
     Led hand(model, above(place));
     hand.grasp = true;
     hand.lead(place + 0.002 * inward);
@@ -172,6 +164,13 @@ TEST_CASE("a grasp in the air takes nothing, and neither does one of a ball", "[
     CHECK(!hand.s.grasps());
     hand.lead(above(place));
     CHECK(hand.s.record().mesh == -1);
+    // the button goes down in the tick in which the tool has left the tissue
+    hand.grasp = false;
+    hand.lead(place + 0.001 * inward);
+    REQUIRE(hand.s.record().mesh == 0);
+    hand.grasp = true;
+    hand.tick(place - 0.0009 * inward);
+    CHECK(!hand.s.grasps());
 
     // nor where the contact was not trained to be pulled
     const HapticModel pressed(solid_example(), one_mesh());
@@ -195,7 +194,7 @@ TEST_CASE("a grasp in the air takes nothing, and neither does one of a ball", "[
 }
 
 TEST_CASE("tissue that is grasped does not slip from a tool with little friction", "[grasp]") {
-    const HapticModel model(solid(), one_mesh(0.1));
+    const HapticModel model(graspable_solid(), one_mesh(0.1));
     Led hand(model, above(place));
     hand.take(place, 0.002);
     const int facet = hand.s.record().facet;
@@ -244,13 +243,13 @@ TEST_CASE("a grasp lets go where the force on the tissue is limited by the devic
     HapticOptions options = one_mesh();
     options.safety.force_max_N = 0.2;
     options.grasp_max_N = 1;
-    const HapticModel model(solid(), options);
+    const HapticModel model(graspable_solid(), options);
     Led hand(model, above(place));
     hand.take(place);
     for (int k = 0; k < 2000 && hand.s.grasps(); ++k) hand.tick(hand.at - 1e-5 * inward);
     CHECK(hand.s.let_go() == 1);
 
-    const HapticModel free(solid(), one_mesh());
+    const HapticModel free(graspable_solid(), one_mesh());
     Led other(free, above(place));
     other.take(place);
     REQUIRE(other.s.grasps());
@@ -264,10 +263,27 @@ TEST_CASE("a grasp lets go where the force on the tissue is limited by the devic
     CHECK(other.s.let_go() == 0);
 }
 
+TEST_CASE("a grasp outlasts a pause in which the hand stands still and no other", "[grasp]") {
+    const HapticModel model(graspable_solid(), one_mesh());
+    for (const double moved_m : {0.0, 0.002}) {
+        Led hand(model, above(place));
+        hand.take(place);
+        DeviceSample sample;
+        sample.position_m = hand.at - moved_m * inward;
+        sample.grasp = true;
+        CHECK(hand.s.skip_tick(sample, 1e-3).isZero(0));
+        CHECK(hand.s.grasps() == (moved_m == 0));
+        sample.position_m = hand.at;
+        sample.grasp = false;  // the button goes up in a pause
+        hand.s.skip_tick(sample, 1e-3);
+        CHECK(!hand.s.grasps());
+    }
+}
+
 TEST_CASE("the force on grasped tissue stays within the limit however far the hand goes", "[grasp]") {
     HapticOptions options = one_mesh();
     options.safety.force_max_N = 0.3;
-    const HapticModel model(solid(), options);
+    const HapticModel model(graspable_solid(), options);
     for (const Eigen::Vector3d& way : {Eigen::Vector3d(0.2, 0, 0.02), Eigen::Vector3d(0.1, 0.1, 0.15), Eigen::Vector3d(0, 0, 0.3)}) {
         Led hand(model, above(place));
         hand.take(place);
@@ -283,7 +299,7 @@ TEST_CASE("the force on grasped tissue stays within the limit however far the ha
 }
 
 TEST_CASE("a hand with mass that hangs on grasped tissue comes to rest", "[grasp][long]") {
-    const TissueModel tissue = solid();
+    const TissueModel tissue = graspable_solid();
     const HapticModel model(tissue, one_mesh());
     const IndentationSolver press(tissue);
     for (const Hand& device : {hands[0], hands[1], hands[3]}) {
@@ -313,7 +329,7 @@ TEST_CASE("a hand with mass that hangs on grasped tissue comes to rest", "[grasp
 }
 
 TEST_CASE("a grasp is part of a session's value, and no other model takes over meanwhile", "[grasp][state]") {
-    const HapticModel model(solid(), one_mesh());
+    const HapticModel model(graspable_solid(), one_mesh());
     Led hand(model, above(place));
     hand.take(place);
     hand.lead(place - 0.003 * inward);
@@ -333,6 +349,12 @@ TEST_CASE("a grasp is part of a session's value, and no other model takes over m
     hand.s.tick(sample, 1e-3);
     Simulation free(model);
     CHECK_NOTHROW(free.follow(hand.s));
+    // a limit that changes after follow() is taken over
+    HapticOptions limited = hand.s.options();
+    limited.grasp_max_N = 0.7;
+    hand.s.change(limited);
+    free.take_over(hand.s);
+    CHECK(free.options().grasp_max_N == 0.7);
     // by the session's own call, and ended by a fault
     hand.grasp = false;
     hand.lead(above(place));
@@ -351,7 +373,7 @@ TEST_CASE("a grasp is part of a session's value, and no other model takes over m
 }
 
 TEST_CASE("the scripted motion pull lifts the top of a solid and lets it go", "[grasp][device]") {
-    const TissueModel tissue = solid();
+    const TissueModel tissue = graspable_solid();
     const HapticModel model(tissue, one_mesh());
     Simulation s(model);
     MotionOptions motion;

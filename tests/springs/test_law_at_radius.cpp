@@ -93,8 +93,9 @@ TEST_CASE("LawPress of another disc is that of the model at its radius and is ma
 
 TEST_CASE("derivatives of contact parameters by size terms agree with finite differences", "[solid]") {
     const SpringMesh mesh = embedded_block(Lattice{{4, 4, 2}, {0.04, 0.04, 0.02}});
+    const std::string hardens = GENERATE("contact.hardening.size", "contact.compression.size", "contact.softening.size");
     const EnergyModelTerms law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), 4500), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), 4500), 4500, 12, own_m),
-                        {"contact.normal", "contact.normal.size", "contact.hardening.size", "contact.coupling.size"});
+                        {"contact.normal", "contact.normal.size", hardens, "contact.coupling.size"});
     const Eigen::VectorXd p = Eigen::Vector4d(0.2, 0.4, -0.7, 0.3);
     const ContactFactors factors = ContactFactors(1, 0.2, 0, 0.5);
     const double log_times = std::log(1.4);
