@@ -14,7 +14,8 @@ struct Invocation {
     std::string command;  ///< absolute paths shortened to their last part
 };
 
-/// The work is done and written, but something in it did not converge or is not usable; what() says so in one line.
+/// The command has run, but its result is incomplete: training did not converge, or a surface has faults. what() is one
+/// line.
 /// Exit status 3.
 struct IncompleteResult : Error {
     using Error::Error;

@@ -88,7 +88,7 @@ std::string man(const CLI::App& app) {
                             man_options(*command));
     text += ".SH EXIT STATUS\n0 success, 1 failure, 2 wrong command line";
     if (!commands.empty())
-        text += ", 3 \\fBtrain\\fR has written the model, but part of the training did not converge";
+        text += ", 3 \\fBtrain\\fR has written the model, but part of the training did not converge; \\fBsurface\\fR found faults";
     text += ".\n";
     return text;
 }

@@ -74,7 +74,7 @@ std::string tool_text(const Device& device, const Simulation& simulation, int to
     std::string text;
     text += fmt::format("  largest force    {:.4g} N, clamped {}, slewed {}, damped {}, capped {}\n", s.force_max_N, s.clamped, s.slewed, s.damped, s.capped);
     text += fmt::format("  energy injected  {:.4g} J\n", s.energy_given_J);
-    text += fmt::format("  refused input    {} (not finite {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
+    text += fmt::format("  refused input    {} (invalid {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
     text += fmt::format("  no force         not yet outside {}, ticks too late {}\n", simulation.unarmed(tool), s.late);
     for (const auto& [name, value] : device.statistics()) text += fmt::format("  device {:<24} {:g}\n", name, value);
     return text;

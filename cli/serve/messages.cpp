@@ -42,7 +42,7 @@ class Keys {
     }
     bool flag_if_there(const char* key) { return j_.contains(key) && flag(key); }
     void no_more() const {
-        if (j_.size() != asked_) throw Wrong{"unknown key"};
+        if (j_.size() != asked_) throw Wrong{"a key that a message of this type does not have"};
     }
 
    private:

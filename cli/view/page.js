@@ -54,12 +54,12 @@ function show_model(message) {
   prepare_learned();
   const heading = model.learns ? learning : model.tools > 1 ? two_tools : model.meshes.length < 2 ? (model.strongest_N > 0 ? one_mesh : one_mesh_without_curves) : model.strongest_N > 0 ? two_meshes : without_curves;
   for (const id of ["title", "lead"]) say(id, heading[id]);
+  $("grasp_row").hidden = !model.grasps;
+  if (!model.grasps) $("grasp").checked = false;   // before the range of depths is set
   show_stage();
   $("spring_set").parentElement.hidden = model.law;
   const two = model.tools > 1, both = model.meshes.length > 1;
   for (const id of ["stays_row", "help_second"]) $(id).hidden = !two;
-  $("grasp_row").hidden = !model.grasps;
-  if ($("grasp_row").hidden) $("grasp").checked = false;
   $("second_force").parentElement.hidden = !two;
   $("heuristic_depth").parentElement.hidden = !both;
   say("force_of", two ? "force of the first tool" : "force on the tissue");

@@ -227,7 +227,7 @@ std::string Adaptation::warning() const {
     if (state_.recent.size() < window) return "";
     const double mean = std::accumulate(state_.recent.begin(), state_.recent.end(), 0.0) / static_cast<double>(window);
     if (mean < suspicious) return "";
-    return fmt::format("the last {} measurements deviate {:.1f} times as much as noise explains: the sensor may drift, or the tissue change", window, mean);
+    return fmt::format("the squared deviations of the last {} measurements are {:.1f} times what noise explains: the sensor may drift, or the tissue change", window, mean);
 }
 
 UpdateResult Adaptation::learn(const ForceMeasurement& poke) {

@@ -41,7 +41,7 @@ AdaptOptions read_options(const Hdf5Reader& file) {
     options.unknowns = file.text_attribute(group, "unknowns");
     each_number(options, [&](const char* name, double& value) {
         value = file.number_attribute(group, name);
-        if (!(value >= 0 && value < 1e3)) file.refuse(group, fmt::format("attribute '{}' is {}, must be a number >= 0", name, value));
+        if (!(value >= 0 && value < 1e3)) file.refuse(group, fmt::format("attribute '{}' is {}, must be a number from 0 to 1000", name, value));
     });
     options.rival = file.number_attribute(group, "rival") != 0;
     options.at_rest = file.number_attribute(group, "at_rest") != 0;

@@ -196,9 +196,11 @@ tissue_status tissue_clutch(tissue_session* s, int on) {
 
 tissue_status tissue_grasp(tissue_session* s, int on) {
     if (!s) return bad("tissue_grasp: a null pointer");
-    if (on && !s->model->grasps) return fail(TISSUE_MISMATCH, "tissue_grasp: the model was not trained to be pulled, or its tool is a ball: train it with the term contact.compression");
-    s->simulation.grasp(on != 0, s->tool());
-    return TISSUE_OK;
+    return caught([&] {
+        if (on) s->model->check_grasp();
+        s->simulation.grasp(on != 0, s->tool());
+        return TISSUE_OK;
+    });
 }
 
 tissue_status tissue_follow(const tissue_model* model, const tissue_session* leader, tissue_session** session) {

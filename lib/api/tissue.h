@@ -158,11 +158,12 @@ TISSUE_API tissue_status tissue_set(tissue_session *session, const char *name, c
  * again, from where it is. */
 TISSUE_API tissue_status tissue_clutch(tissue_session *session, int on);
 
-/* on: the tool grasps the tissue that it touches, which then follows it in every direction without slip. It begins in
- * the next tick if the tool presses the tissue in it; else, and after it has let go, on has to be 0 in a tick and 1
- * again. It lets go when on is 0, where the force on the tissue exceeds option "grasp-max" or that reaches the device's
- * limit (count "let_go"), with a fault or a reset, and after a late tick. TISSUE_MISMATCH: a model in space whose contact was not
- * trained to be pulled (term contact.compression of its study), a ball, or spring sets. RESULTS.md compares a model with
+/* on: the tool grasps the tissue that it touches, which then follows it in every direction without slip. The
+ * grasp begins in the next tick if the tool presses the tissue in that tick. Otherwise, and after a release, set on to 0
+ * for one tick and then to 1. It is released when on is 0; when the force on the tissue exceeds option "grasp-max" or,
+ * where that is finite, reaches the device's limit (count "let_go"); with a fault or a reset; and after a late tick. The
+ * heuristic mesh in the plane is not grasped. TISSUE_MISMATCH: spring sets, and in space a ball, or a contact that was
+ * not trained to be pulled (term contact.compression of its study). RESULTS.md compares a model with
  * finite elements that pull. */
 TISSUE_API tissue_status tissue_grasp(tissue_session *session, int on);
 

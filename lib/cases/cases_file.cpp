@@ -323,7 +323,7 @@ Cases read_cases(const std::string& name) {
     for (const LoadPath& path : cases.paths) {
         const LoadPath& first = *first_of.emplace(path.role, &path).first->second;
         if (path.second.has_value() != first.second.has_value())
-            file.refuse("/paths/" + path.name, fmt::format("and '{}' have the same role, but only one of them has two discs", first.name));
+            file.refuse("/paths/" + path.name, fmt::format("has the same role as '{}', but only one of the two has two discs", first.name));
     }
     if (file.has("/histories")) {
         TableReader in_time(file, histories_table(), {{"D", D}});

@@ -64,8 +64,8 @@ bool SolidDraws::may_be(const Point& top_m) const {
 
 void SolidDraws::count_down(int& tries) const {
     if (--tries < 0)
-        throw MismatchError(key_ + (draws_.of_pairs() ? ": clearance_m and apart_m leave no space for two discs that are each 2 mm or 5 degrees from all training contacts"
-                                                     : ": clearance_m leaves no space for contacts that are 2 mm or 5 degrees from all training contacts"));
+        throw MismatchError(key_ + (draws_.of_pairs() ? ": clearance_m leaves no space for two discs apart_m apart, each 2 mm or 5 degrees from all training contacts: widen clearance_m or reduce apart_m"
+                                                     : ": clearance_m leaves no space for contacts that are 2 mm or 5 degrees from all training contacts: widen it"));
 }
 
 Point SolidDraws::place(int& tries) {

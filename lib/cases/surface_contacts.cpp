@@ -73,8 +73,8 @@ std::vector<double> spaced_arcs(const Outline& outline, const Study::Loads::Swee
     const double gaps = std::floor((outline.length() - 2 * sweep.clearance_m) / sweep.spacing_m + 1e-9);
     if (gaps > most) throw MismatchError(fmt::format("loads.sweep.spacing_m: {:g} makes more than {:.0f} contacts", sweep.spacing_m, most));
     if (!(gaps >= 0))
-        throw MismatchError(fmt::format("loads.sweep.clearance_m: {:g} m leaves no place on a free surface {:g} mm long; the least clearance is three half widths of the patch "
-                                        "(indenter.half_width_m), at most 15 mm, and for a point 15 mm", sweep.clearance_m, 1e3 * outline.length()));
+        throw MismatchError(fmt::format("loads.sweep.clearance_m: {:g} m leaves no place on a free surface {:g} mm long; the least clearance is 15 mm, "
+                                        "or three half widths of the patch (indenter.half_width_m) if that is less, and one half width at least", sweep.clearance_m, 1e3 * outline.length()));
     Arcs arcs;
     const auto add = [&](double arc) {
         if (mirrors && arc > outline.length() / 2 + tiny_arc_m) return;

@@ -65,7 +65,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Ind
     const Point target = truth.magnitude_m * truth.direction;
     const Point aim = model.is_energy_model() ? Point(target - inset_m * inward) : Point((1 + 1 / *model.options.coupling_ratio) * target);
     VirtualDevice hand(press_motion(truth.contact_m, inward, aim, ramp_s, inset_m), model.options.map);
-    const bool pulls = truth.direction.dot(inward) < 0;
+    const bool pulls = truth.direction.dot(inward) < -1e-9;
     Point shift = Point::Zero(target.size()), last = shift;
     int still = 0;
     const int window = static_cast<int>(window_s / dt), sample = std::max(1, static_cast<int>(0.01 / dt));

@@ -82,7 +82,7 @@ std::unique_ptr<Dynamics> make_dynamics(const std::string& name, const RealtimeM
                                         options.damping_1_s));
     const DynamicsKind* kind = dynamics_kinds().at(name);
     if (kind != &symplectic_dynamics && options.law)
-        throw MismatchError(fmt::format("an energy model needs dynamics '{}', not '{}'", symplectic_dynamics.name, name));
+        throw MismatchError(fmt::format("an energy model needs dynamics '{}', not '{}': leave the option out", symplectic_dynamics.name, name));
     if (!options.law && !mesh.embedding().empty()) throw MismatchError("an embedded lattice needs an energy model");
     return kind->make(mesh, options);
 }
@@ -91,7 +91,7 @@ std::string stable_dynamics(double largest_eigenvalue_1_s2, double dt_s) {
     const double omega_dt = std::sqrt(largest_eigenvalue_1_s2) * dt_s;
     for (const DynamicsKind* kind : dynamics_kinds().kinds())
         if (omega_dt <= kind->stable_omega_dt) return kind->name;
-    throw MismatchError(fmt::format("no time integration is stable at omega dt = {}", omega_dt));
+    throw MismatchError(fmt::format("no time integration is stable at omega dt = {}: reduce dt, or use a coarser mesh", omega_dt));
 }
 
 int energy_model_substeps(double largest_eigenvalue_1_s2, double dt_s) {

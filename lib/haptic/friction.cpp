@@ -41,7 +41,7 @@ struct Pull {
 Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip_(options.slip.value_or(options.stick)), has_slip_(options.slip.has_value()) {
     if (!(stick_ >= 0)) throw MismatchError(fmt::format("friction must not be negative, not {}", stick_));
     if (!(slip_ >= 0)) throw MismatchError(fmt::format("friction-slip must not be negative, not {}", slip_));
-    if (options.slip && std::isinf(stick_)) throw MismatchError("friction-slip has no effect without friction, where the tool never slips: set friction too");
+    if (options.slip && std::isinf(stick_)) throw MismatchError("friction-slip has no effect while friction is inf, where the tool never slips: set friction too");
     if (!(slip_ <= stick_)) throw MismatchError(fmt::format("kinetic friction {} must not be above the static {}", slip_, stick_));
 }
 

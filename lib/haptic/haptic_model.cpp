@@ -209,12 +209,16 @@ namespace {
 ToolChoice tool_of(const TissueModel& model, ToolChoice asked) {
     const double own_m = model.energy_model ? model.energy_model->disc_radius_m : 0, needed_m = asked.shape == ToolChoice::Shape::ball ? BallContact::half_in * asked.radius_m : asked.radius_m;
     const bool is_ball = model.energy_model && model.energy_model->disc.ball_contact_m > 0;
-    if (is_ball != (asked.shape == ToolChoice::Shape::ball) || (!asked.is_default() && own_m != needed_m)) throw MismatchError(fmt::format("tool {}: the model has a disc of {:g} m and was not prepared for this tool", to_string(asked), own_m));
+    if (is_ball != (asked.shape == ToolChoice::Shape::ball) || (!asked.is_default() && own_m != needed_m)) throw MismatchError(fmt::format("tool {}: the model has {} and was not prepared for this tool: call with_tool() first", to_string(asked), own_m > 0 ? fmt::format("a disc of {:g} m", own_m) : "no disc"));
     if (asked.radius_m == 0) asked.radius_m = own_m;
     return asked;
 }
 
 }  // namespace
+
+void HapticModel::check_grasp() const {
+    if (!grasps) throw MismatchError("this model cannot grasp: it has spring sets, or in space its tool is a ball or its contact was not trained to be pulled (term contact.compression)");
+}
 
 HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     : study(model.study), tool(tool_of(model, given.tool)), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
@@ -223,7 +227,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     if (given.tools > 1 && (!model.energy_model || given.heuristic_mesh))
         throw MismatchError(!model.energy_model ? "two tools need an energy model, and this model has spring sets" : "two tools are not possible with the heuristic mesh: set heuristic to no");
     grasps = model.energy_model && (!model.mesh.is_solid() || (model.energy_model->patch.curve == ContactCurve::compression && tool.shape == ToolChoice::Shape::disc));
-    if (!grasps && std::isfinite(given.grasp_max_N)) throw MismatchError("grasp-max: this model cannot grasp; one in space needs a disc, and a contact that was trained to be pulled (term contact.compression)");
+    if (std::isfinite(given.grasp_max_N)) check_grasp();
     if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
     HapticOptions& o = options;
     const bool damping_asked = o.damping_ratio.has_value();
@@ -258,7 +262,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     else if (o.heuristic_mesh)  // of the instantaneous E, since spring sets do not relax
         meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside, model.node_mass_kg));
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
-    if (springs == meshes.end() && given.coupling_ratio) throw MismatchError("coupling: an energy model has its own contact, and without the heuristic mesh there are no spring sets");
+    if (springs == meshes.end() && given.coupling_ratio) throw MismatchError("coupling: no mesh of this session has spring sets; leave the option out");
     if (o.energy_book && (!is_energy_model() || model.energy_model->relaxation.empty())) throw MismatchError("energy-book: the model does not relax and has no Maxwell branches");
     if (springs != meshes.end())
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);

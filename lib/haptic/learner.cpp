@@ -56,7 +56,7 @@ Learner::Learner(const HapticModel& model, Adaptation& adaptation, const Learner
     if (law.constants.size() != now_.constants.size() || law.patch.log_N_m.rows() != now_.patch.log_N_m.rows())
         throw MismatchError("the adaptation belongs to a model other than the session's");
     if (adaptation.largest() > std::log(model.options.stiffest) + 1e-12)
-        throw MismatchError(fmt::format("unknowns up to {:g} may exceed a stiffness factor of {:g}, up to which the session's time steps are stable", adaptation.largest(), model.options.stiffest));
+        throw MismatchError(fmt::format("the adaptation permits a stiffness factor of {:g}, and the session's time steps are stable up to {:g}", std::exp(adaptation.largest()), model.options.stiffest));
     relaxes_ = !law.relaxation.empty();
     const Point nothing = Point::Zero(model.dimension());
     held_m_ = sum_measured_N_ = sum_model_N_ = sum_push_m_ = nothing;

@@ -62,6 +62,8 @@ struct HapticModel {
     /// Whether a tool may grasp: an energy model in the plane, or one under a disc whose contact was trained to be pulled
     /// (ContactCurve::compression); others have no convex energy there.
     bool grasps = false;
+    /// Throws MismatchError where it may not, with the causes.
+    void check_grasp() const;
 
     std::uint64_t fingerprint = 0;                    ///< hash of everything that a session's state depends on
 
@@ -127,8 +129,8 @@ class Simulation {
     }
 
     /// On: the tissue that the tool touches follows it in every direction, without slip, as if it were glued to it: a
-    /// bilateral contact with the same energy. Begins in the next tick if the tool presses the tissue in it; else, and
-    /// after it has let go, it must be off in a tick and on again. Ends when it goes off, above
+    /// bilateral contact with the same energy. Begins in the next tick if the tool presses the tissue in that tick.
+    /// Otherwise, and after a release, it must be off for one tick and on again. Ends when it goes off, above
     /// HapticOptions::grasp_max_N (a finite limit also where the device's own limit is reached), with a fault or a reset,
     /// and where the hand has moved without a force: a late tick, or more than a millimetre in skip_tick(). Has no effect
     /// on a model without HapticModel::grasps. A device may ask for the same (DeviceSample::grasp).

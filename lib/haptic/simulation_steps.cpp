@@ -10,8 +10,8 @@ namespace tissue {
 /// How far an energy model's tool at tool_m is outside the friction cone [m] (D), along the surface, with nodes
 /// displaced by u.
 Point Simulation::outside_cone(const ToolState& t, const Point& tool_m, const NodeColumns& u) const noexcept {
+    if (!may_slip(t)) return Point::Zero(tool_m.size());
     const auto m = static_cast<std::size_t>(t.touched);
-    if (t.grasps) return Point::Zero(tool_m.size());
     return t.friction.outside(push_of(t, tool_m, m), u, t.spring, t.memory[m]);
 }
 

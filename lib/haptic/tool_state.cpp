@@ -87,7 +87,6 @@ void ToolState::take_over(const ToolState& from, double period_s) noexcept {
     old_s = from.old_s;
     stood_s = from.stood_s;
     unarmed = from.unarmed;
-    options.grasp_max_N = from.options.grasp_max_N;
     grasp_asked = from.grasp_asked;
     grasp_was_on = from.grasp_was_on;
     let_go = from.let_go;

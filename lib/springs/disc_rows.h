@@ -8,7 +8,7 @@ namespace tissue {
 /// imprint_normal, imprint_tangent [N/m], hardening, saturation [1/J], coupling [N/m^2]. radius_m: disc radius R > 0;
 /// spacing_m: cube edge h > 0 of the lattice. NaN for other values.
 ///
-/// The first four are derived. In series with a half space of isotropic springs and cells (springs/energy_model.h, cells
+/// The first four are derived. In series with a half space of isotropic springs and cells (springs/energy_model_terms.h, cells
 /// at 0.95 of a cap of 12 E) they give the result of linear elasticity for incompressible tissue. That is 64/45 E R
 /// along the normal, the force conjugate to d under Hertz's pressure, and 2/3 of it along the surface, for a traction
 /// of the same profile. The mean rows bear 0.55 of the normal force and 0.36 of the tangential one; the imprint rows

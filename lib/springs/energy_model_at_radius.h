@@ -7,7 +7,7 @@ namespace tissue {
 
 /// Energy model in space for a disc of another radius [m], as a model of that disc only, so that the tick treats it as
 /// any other. Its contact parameters change with the radius as their start does, and by the trained terms `size`
-/// (resized() in energy_model.h). Its lattice correction is that of the radius. radius_m = 0: the model unchanged. Throws
+/// (resized() in springs/energy_model_terms.h). Its lattice correction is that of the radius. radius_m = 0: the model unchanged. Throws
 /// MismatchError for a radius outside the range of the training discs; the message gives that range.
 EnergyModel energy_model_at_radius(const EnergyModel& law, double radius_m);
 /// The same for any radius > 0 [m]. Outside the range of the training discs the parameters follow their analytical

@@ -9,7 +9,7 @@
 
 namespace tissue {
 
-/// Positions of a mesh's elements at rest: values of the factors of an energy model's terms (springs/energy_model.h). One
+/// Positions of a mesh's elements at rest: values of the factors of an energy model's terms (springs/energy_model_terms.h). One
 /// object per thread; it caches results for one set of springs and one of cells.
 class RestPlaces {
    public:

@@ -21,7 +21,7 @@ struct SpringSets {
     NodeField theta;                       ///< [N/m] (C x S)
 };
 
-/// An energy model (springs/energy_model.h): stiffnesses that do not depend on the tool.
+/// An energy model (springs/energy_model_terms.h): stiffnesses that do not depend on the tool.
 struct EnergyModel {
     std::vector<std::string> terms;        ///< (P)
     Eigen::VectorXd coefficients;          ///< of the terms (P)

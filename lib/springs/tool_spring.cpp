@@ -178,7 +178,8 @@ Eigen::Vector3d ToolSpring::stay_behind(const Eigen::Vector3d& push, const Eigen
     const auto off = [&](const Eigen::Vector3d& q) { return Eigen::Vector3d(force(q) - most_N_ * (push - q).normalized()); };
     const Eigen::Vector3d along = whole / size;
     Eigen::Vector3d q = push - (size - most_N_) / along.dot(stiffness(push) * along) * along;
-    // where Newton's method fails: on the line from the tissue to the tool, the last point before which the force exceeds F
+    // Where Newton's method fails, which a convex energy does not cause: a point on the line from the tissue to the tool
+    // before the force exceeds F. It limits the force; it is no minimum of E(q) + F |p - q|.
     const auto on_the_line = [&] {
         const Eigen::Vector3d from = tissue(first, u);
         double low = 0, high = 1;
@@ -206,7 +207,7 @@ Eigen::Vector3d ToolSpring::stay_behind(const Eigen::Vector3d& push, const Eigen
         }
         if (!nearer) break;
     }
-    return force(q).norm() > most_N_ * (1 + 1e-3) ? on_the_line() : q;
+    return wrong.norm() > 1e-3 * most_N_ ? on_the_line() : q;
 }
 
 Point ToolSpring::tool_force_N(const Point& push_m, const NodeColumns& u, const ToolMemory* memory) const noexcept {

@@ -198,7 +198,7 @@ struct Study {
         /// `law`: the force law of the springs of spring sets (springs/spring_law.h); for an energy model `geometric`,
         /// by which springs turn with the tissue.
         std::string topology, law;
-        std::string stiffness;           ///< sets: one theta a load case; law: an energy model (springs/energy_model.h)
+        std::string stiffness;           ///< sets: one theta a load case; law: an energy model (springs/energy_model_terms.h)
         std::vector<std::string> terms;  ///< of an energy model
         double spacing_m = 0;            ///< edge of the cubes of an embedded lattice
         double area_cap_E2 = 0;          ///< of an energy model: upper bound of the stiffness of its cells, over E2

@@ -50,7 +50,7 @@ struct EnergyModelDiagnostics {
     std::vector<int> iterations, evaluations;    ///< of each start (R)
     std::vector<std::string> lost;               ///< TrainedEnergyModel::lost
     double seconds = 0;                          ///< wall time; an attribute, not a dataset
-    /// Fit of relative moduli to measured histories (FittedModuli of train/fit_relative_moduli.h). Absent where the relative
+    /// Fit of relative moduli to measured histories (FittedModuli of train/relative_moduli.h). Absent where the relative
     /// moduli are those of the study's material.
     struct Shares {
         int histories = 0;                       ///< number of histories of role "train"

@@ -392,7 +392,7 @@ TEST_CASE("drawn disc pairs keep their distance at rest and two radii when displ
     CHECK(make_plan(study).parts.at("path-held-out-0001") == make_plan(solid()).parts.at("path-held-out-0001"));
 
     const Study narrow = example_study(with(solid_study_text(), role, "[draws.held_out_two]\napart_m = [0.1, 0.2]"));
-    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(narrow); }), Contains("draws.held_out_two: clearance_m and apart_m leave no space for two discs"));
+    CHECK_THAT(refusal<MismatchError>([&] { planned_paths(narrow); }), Contains("draws.held_out_two: clearance_m leaves no space for two discs apart_m apart"));
 }
 
 TEST_CASE("a two-disc path is read back unchanged from a file of a later format version") {

@@ -184,7 +184,7 @@ TEST_CASE("a sliding contact on tissue that relaxes keeps the state of its Maxwe
 
 TEST_CASE("negative friction and kinetic friction above the static one or without one are refused", "[friction]") {
     const double never = FrictionOptions().stick;
-    CHECK(refusal<MismatchError>([&] { Friction({never, 0.2}); }) == "friction-slip has no effect without friction, where the tool never slips: set friction too");
+    CHECK(refusal<MismatchError>([&] { Friction({never, 0.2}); }) == "friction-slip has no effect while friction is inf, where the tool never slips: set friction too");
     CHECK(refusal<MismatchError>([] { Friction({-0.1, {}}); }) == "friction must not be negative, not -0.1");
     CHECK(refusal<MismatchError>([] { Friction({0.1, -1}); }) == "friction-slip must not be negative, not -1");
     CHECK(refusal<MismatchError>([] { Friction({0.1, 0.2}); }) == "kinetic friction 0.2 must not be above the static 0.1");

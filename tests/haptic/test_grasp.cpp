@@ -180,11 +180,17 @@ TEST_CASE("a grasp in the air takes nothing, and neither does one of a ball", "[
     CHECK(!third.s.grasps());
     HapticOptions limited = one_mesh();
     limited.grasp_max_N = 1;
-    CHECK_THROWS_WITH(HapticModel(solid_example(), limited), Contains("grasp-max"));
+    CHECK_THROWS_WITH(HapticModel(solid_example(), limited), Contains("cannot grasp"));
+    CHECK_THROWS_WITH(third.s.change(limited), Contains("cannot grasp"));
 
     HapticOptions with_ball = one_mesh();
     with_ball.tool = {ToolChoice::Shape::ball, 0.008};
-    const TissueModel discs = with_tool(several_discs(), with_ball.tool);
+    TissueModel pulled = several_discs();
+    for (std::string& term : pulled.energy_model->terms)
+        if (term == "contact.hardening.size") term = "contact.compression.size";
+    pulled.energy_model->patch.curve = ContactCurve::compression;
+    CHECK(HapticModel(pulled, one_mesh()).grasps);
+    const TissueModel discs = with_tool(pulled, with_ball.tool);
     const HapticModel ball(discs, with_ball);
     const Eigen::Vector3d top(0.021, 0.033, 0.02);
     Led other(ball, above(top));
@@ -349,12 +355,15 @@ TEST_CASE("a grasp is part of a session's value, and no other model takes over m
     hand.s.tick(sample, 1e-3);
     Simulation free(model);
     CHECK_NOTHROW(free.follow(hand.s));
-    // a limit that changes after follow() is taken over
     HapticOptions limited = hand.s.options();
     limited.grasp_max_N = 0.7;
     hand.s.change(limited);
-    free.take_over(hand.s);
+    free.take_over(hand.s);  // with the limit that was changed after follow()
     CHECK(free.options().grasp_max_N == 0.7);
+    const HapticModel other_model(solid_example(), one_mesh());
+    Simulation cannot(other_model);
+    cannot.follow(hand.s);  // a model that cannot grasp has no limit
+    CHECK(std::isinf(cannot.options().grasp_max_N));
     // by the session's own call, and ended by a fault
     hand.grasp = false;
     hand.lead(above(place));

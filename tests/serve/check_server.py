@@ -161,7 +161,7 @@ def misbehaviour(port):
     check("a WebSocket from the page's own Origin is accepted", refusal(port, headers=f"Origin: http://127.0.0.1:{port}\r\n") == 101)
     check("a WebSocket with a domain name as Host: 403", refusal(port, host=f"evil.example:{port}") == 403)
     for sentence, text, reason in (("not JSON", "{", "not JSON"), ("an unknown type", '{"type":"fly"}', "'type' must be one of"),
-                                   ("an unknown key", '{"type":"reset","x":1}', "unknown key"),
+                                   ("an unknown key", '{"type":"reset","x":1}', "a key that a message of this type does not have"),
                                    ("a number that is not finite", '{"type":"pointer","x":1e999,"y":0,"down":true}', "not JSON"),
                                    ("a pointer with z in the plane", '{"type":"pointer","x":0,"y":0,"z":0,"down":true}', "'z' is not allowed: this model is in the plane"),
                                    ("a model that does not exist", '{"type":"model","model":7}', "no such model")):

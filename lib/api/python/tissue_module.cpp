@@ -504,7 +504,7 @@ ticks() between two ticks, press() between two contacts and next() between two i
              "Sets options that may change while it runs, by name, and before the first tick limits of the device (force_max, ..). After a change that moves the tool by more than a hand does in a tick there is no force until the tool has been outside once.")
         .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool()); }); }, py::arg("on").noconvert(), "On: the hand moves and the tool stays, without force. Off: the tool continues from its place.")
         .def("grasp", [](Session& s, bool on) { alone(s, [&] {
-                 if (on && !s.simulation.model().grasps) throw MismatchError("the model was not trained to be pulled, or its tool is a ball: train it with the term contact.compression");
+                 if (on) s.simulation.model().check_grasp();
                  s.simulation.grasp(on, s.tool());
              }); }, py::arg("on").noconvert(), "On: the tissue that the tool touches in the next tick follows it in every direction, without slip, until this is off or the force exceeds grasp_max. For an energy model whose contact was trained to be pulled, or in the plane.")
         .def_property("state", &state_of, &restore, "The state of the session as bytes; a session of the same model and options that is given these bytes continues identically, bit for bit.")
