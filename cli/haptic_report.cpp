@@ -48,7 +48,9 @@ std::string describe(const std::string& program, const Simulation& simulation, c
     const std::string stiffness =
         model.is_energy_model() ? "an energy model" : fmt::format("spring sets {} (nearest, by {})", o.sets, o.select_by == SelectBy::force ? "force" : "displacement");
     std::string text = fmt::format("{}: study '{}', {}, device {}\n", program, model.study, stiffness, names(devices));
-    if (model.is_solid()) text += fmt::format("  tool: {} of {:g} mm radius\n", to_string(model.tool.shape), 1e3 * model.tool.radius_m);
+    if (model.is_solid())
+        for (std::size_t k = 0; k < model.tools.size(); ++k)
+            text += fmt::format("  tool{}: {} of {:g} mm radius\n", model.tools.size() > 1 ? fmt::format(" {}", k + 1) : "", to_string(model.tools[k].shape), 1e3 * model.tools[k].radius_m);
     for (const auto& mesh : model.meshes)
         text += fmt::format("  {:<10} {} step{}: omega dt = {:.3f} (symplectic up to {:g} a step), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
                             mesh->name, mesh->dynamics, mesh->substeps > 1 ? fmt::format(", {} a tick", mesh->substeps) : "",

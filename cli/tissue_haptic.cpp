@@ -95,10 +95,10 @@ std::vector<IndentationReference> press_truths(const Cases& cases, double own_m,
 void check(const Options& o, const TissueModel& tissue, const HapticModel& model, double own_m) {
     if (tissue.energy_model && !tissue.energy_model->relaxation.empty())
         throw MismatchError(o.model + ": --check needs tissue at rest, and this model relaxes; use tissuectl eval, which evaluates displacement histories");
-    if (model.tool.shape == ToolChoice::Shape::ball) throw MismatchError("--check compares with FE references of discs; --tool must not be a ball");
+    if (model.tools[0].shape == ToolChoice::Shape::ball) throw MismatchError("--check compares with FE references of discs; --tool must not be a ball");
     const Cases cases = read_cases(o.check);
     std::vector<PressResult> presses;
-    for (const IndentationReference& truth : press_truths(cases, own_m, model.tool.radius_m)) {
+    for (const IndentationReference& truth : press_truths(cases, own_m, model.tools[0].radius_m)) {
         if (stop.load()) throw tissue::Error("interrupted");
         presses.push_back(press(model, tissue, truth));
         const PressResult& p = presses.back();
@@ -146,13 +146,11 @@ void run(const Options& o, Provenance provenance) {
     HapticOptions haptic = o.choices.haptic;
     TissueModel tissue = read_model(o.model);
     const double own_m = tissue.energy_model ? tissue.energy_model->disc_radius_m : 0;
-    const ToolChoice tool = haptic.tool;
-    tissue = with_tool(std::move(tissue), tool);
     if (o.check.empty()) haptic.device = stricter(haptic.device, device_kinds().at(o.device[0].kind)->impedance);
     else haptic.safety.force_max_N = 1e3;  // so that no device limits the force
     std::unique_ptr<Adaptation> adaptation;
     if (!o.learn.empty()) {
-        if (!tool.is_default()) throw MismatchError("--tool: not possible with --learn: a model that learns keeps its own disc");
+        if (!all_default(haptic.tool)) throw MismatchError("--tool: not possible with --learn: a model that learns keeps its own disc");
         adaptation = live_adaptation(o.model);
         if (o.forget) adaptation->forget();
         // check now, because otherwise the session would be lost at its end
@@ -161,7 +159,7 @@ void run(const Options& o, Provenance provenance) {
         haptic = live_options(haptic, *adaptation);
     }
     HapticModel model(tissue, haptic);
-    if (!o.check.empty()) return check(o, tissue, model, own_m);
+    if (!o.check.empty()) return check(o, with_tool(tissue, haptic.tool[0]), model, own_m);
 
     Simulation simulation(model);
     if (o.tools() > 1) begin_second(o, simulation);
@@ -177,7 +175,7 @@ void run(const Options& o, Provenance provenance) {
     // devices last, so that none is open while anything else can fail
     std::vector<std::unique_ptr<Device>> owned;
     for (int t = 0; t < o.tools(); ++t) owned.push_back(make_device(o.device[t].kind, o.device[t].values, {*o.seconds, o.seed + static_cast<unsigned long>(t), t, &model.rest, simulation.options(t).map}));
-    if (!o.hidden.empty()) owned[0] = std::make_unique<TargetTissue>(std::move(owned[0]), with_tool(read_model(o.hidden), tool), o.choices.haptic);
+    if (!o.hidden.empty()) owned[0] = std::make_unique<TargetTissue>(std::move(owned[0]), read_model(o.hidden), o.choices.haptic);
     std::vector<Device*> devices;
     for (const auto& device : owned) devices.push_back(device.get());
     std::cerr << cli::describe("tissue-haptic", simulation, devices);

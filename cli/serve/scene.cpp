@@ -201,7 +201,7 @@ std::string Scene::message(const Lesson::News& news) const {
 std::string Scene::message(const std::vector<std::string>& names, int index) const {
     const HapticOptions& o = model_.options;
     Json j = {{"type", "model"}, {"study", model_.study}, {"models", names}, {"model", index}, {"dimension", dimension()},
-              {"law", model_.is_energy_model()}, {"grasps", model_.grasps}, {"tools", o.tools}, {"dt_s", o.dt_s}, {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale},
+              {"law", model_.is_energy_model()}, {"grasps", model_.grasps(0) || (o.tools > 1 && model_.grasps(1))}, {"tools", o.tools}, {"dt_s", o.dt_s}, {"force_max_N", o.safety.force_max_N}, {"force_scale", o.map.force_scale},
               {"node_count", mesh_.node_count()}, {"spring_count", mesh_.spring_count()}};
     if (tau_s_.size() > 0) j["relaxation"] = {{"tau_s", numbers(tau_s_)}, {"share", numbers(contact_share_)}};
     if (learned_) j["learned"] = learned_json(*learned_, shown_);
@@ -238,7 +238,8 @@ std::string Scene::message(const std::vector<std::string>& names, int index) con
     j["low_m"] = numbers(low);
     j["high_m"] = numbers(high);
     j["meshes"] = meshes;
-    if (mesh_.is_solid()) j["tool"] = {{"shape", to_string(model_.tool.shape)}, {"radius_m", model_.tool.radius_m}};
+    if (mesh_.is_solid())
+        for (const ToolChoice& tool : model_.tools) j["tool"].push_back({{"shape", to_string(tool.shape)}, {"radius_m", tool.radius_m}});
     if (!carried_.empty()) j["surface"] = true;
     if (!nodule_.empty()) j["nodule"] = nodule_json(nodule_, nodule_carried_, model_.meshes[0]->place_m, shown_as);
     if (!errors_.empty()) j["errors"] = errors_json(errors_);

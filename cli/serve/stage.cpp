@@ -52,34 +52,40 @@ HapticOptions without_sets(HapticOptions options, const TissueModel& tissue) {
     return options;
 }
 
+/// Result of a step; an error about the model names its file.
+template <class Step>
+auto named(const std::string& file, const Step& step) {
+    try {
+        return step();
+    } catch (const MismatchError& e) {
+        throw MismatchError(file + ": " + e.what());
+    }
+}
+
 }  // namespace
 
 Stage::Stage(const std::vector<std::string>& files, const StageOptions& options) : options_(options) {
     if (!options_.hidden.empty()) {
         if (files.size() != 1) throw MismatchError("one model learns, not one of several");
         if (options_.haptic.tools > 1) throw MismatchError("--tools: a model learns from one tool");
-        if (!options_.haptic.tool.is_default()) throw MismatchError("--tool: a model that learns while it plays has its own disc");
+        if (!all_default(options_.haptic.tool)) throw MismatchError("--tool: a model that learns while it plays has its own disc");
         lesson_ = std::make_unique<Lesson>(files.front(), options_.hidden);
         // the FE reference is of the tissue that the model was trained on, not of the target tissue
         TissueModel tissue = lesson_->adaptation().base();
         tissue.contact_force_N.resize(0, tissue.contact_force_N.cols());
-        served_.push_back({files.front(), {}});
+        served_.push_back({files.front(), options_.haptic.tool});
         names_.push_back(tissue.study);
-        make(served_.back(), tissue, live_options(options_.haptic, lesson_->adaptation()), {}, learned_field(lesson_->adaptation()));
+        make(served_.back(), tissue, tissue, live_options(options_.haptic, lesson_->adaptation()), {}, learned_field(lesson_->adaptation()));
     } else {
         std::vector<TissueModel> tissues;
-        for (const std::string& file : files) try {
-                tissues.push_back(with_tool(read_model(file), options_.haptic.tool));
-            } catch (const MismatchError& e) {
-                throw MismatchError(file + ": " + e.what());
-            }
+        for (const std::string& file : files) tissues.push_back(read_model(file));
         some_sets_ = std::any_of(tissues.begin(), tissues.end(), [](const TissueModel& t) { return !t.energy_model; });
         for (std::size_t k = 0; k < files.size(); ++k) {
             served_.push_back({files[k], options_.haptic.tool});
             names_.push_back(name_for(tissues[k].study, names_));
             make(served_.back(), tissues[k]);
         }
-        for (std::size_t k = 0; k < files.size() && options_.haptic.tool.is_default(); ++k) serve_other_tools(files[k], tissues[k]);
+        for (std::size_t k = 0; k < files.size() && all_default(options_.haptic.tool); ++k) serve_other_tools(files[k], tissues[k]);
     }
     if (!options_.surface.empty()) {
         refuse_vtk(options_.surface);
@@ -98,34 +104,30 @@ Stage::Stage(const std::vector<std::string>& files, const StageOptions& options)
 void Stage::make(Served& served, const TissueModel& tissue) {
     const std::optional<LearnedField> learned = learned_field(served.file);
     // the FE reference is of the trained tissue, not of the adapted one
-    const FeCases fe = learned ? FeCases() : read_fe_cases(served.file, tissue);
-    KnownErrors known = learned ? KnownErrors() : read_reference_errors(served.file, tissue);
+    const TissueModel of_tool = named(served.file, [&] { return with_tool(tissue, served.tool[0]); });
+    const FeCases fe = learned ? FeCases() : read_fe_cases(served.file, of_tool);
+    KnownErrors known = learned ? KnownErrors() : read_reference_errors(served.file, of_tool);
     for (const std::string& warning : {fe.warning, known.warning})
         if (!warning.empty()) warnings_.push_back(warning);
     HapticOptions haptic = some_sets_ && tissue.energy_model ? without_sets(options_.haptic, tissue) : options_.haptic;
     haptic.tool = served.tool;
-    make(served, tissue, haptic, fe.displacement_m, learned);
+    make(served, tissue, of_tool, haptic, fe.displacement_m, learned);
     served.scene->know(std::move(known.all));
 }
 
-void Stage::make(Served& served, const TissueModel& tissue, const HapticOptions& haptic, const std::vector<NodeField>& fe_displacement_m,
+/// of_tool: the model with the first tool.
+void Stage::make(Served& served, const TissueModel& tissue, const TissueModel& of_tool, const HapticOptions& haptic, const std::vector<NodeField>& fe_displacement_m,
                  std::optional<LearnedField> learned) const {
-    try {
+    named(served.file, [&] {
         served.model = std::make_unique<HapticModel>(tissue, haptic);
-        served.scene = std::make_unique<Scene>(tissue, *served.model, fe_displacement_m, std::move(learned));
-    } catch (const MismatchError& e) {
-        throw MismatchError(served.file + ": " + e.what());
-    }
+        served.scene = std::make_unique<Scene>(of_tool, *served.model, fe_displacement_m, std::move(learned));
+    });
 }
 
 /// Has the first model, with any tool, carry the surface of the options.
 void Stage::carry(Served& served) const {
     if (!carried_ || served.file != served_.front().file) return;
-    try {
-        served.scene->carry(carried_surface(served.scene->mesh(), *carried_, options_.unit_m));
-    } catch (const MismatchError& e) {
-        throw MismatchError(served.file + ": " + e.what());
-    }
+    named(served.file, [&] { served.scene->carry(carried_surface(served.scene->mesh(), *carried_, options_.unit_m)); });
 }
 
 /// Adds a model that was trained under several discs with each of these, and with balls whose contact is in their range.
@@ -141,7 +143,7 @@ void Stage::serve_other_tools(const std::string& file, const TissueModel& tissue
     }
     for (const ToolChoice& tool : tools) {
         names_.push_back(name_for(fmt::format("{}, {} of {:g} mm", tissue.study, to_string(tool.shape), 1e3 * tool.radius_m), names_));
-        served_.push_back({file, tool});
+        served_.push_back({file, {tool}});
     }
 }
 
@@ -221,7 +223,7 @@ void Stage::turn_to(int model_index) {
     Served& next = served_[static_cast<std::size_t>(model_index)];
     if (!next.model) {
         Served made{next.file, next.tool};
-        make(made, with_tool(read_model(made.file), made.tool));
+        make(made, read_model(made.file));
         carry(made);
         next = std::move(made);
     }

@@ -85,12 +85,12 @@ class Stage {
     /// One entry of names(): a model with a tool. Those of other tools are made when they are first asked for.
     struct Served {
         std::string file;
-        ToolChoice tool;
+        ToolChoices tool;
         std::unique_ptr<HapticModel> model = nullptr;
         std::unique_ptr<Scene> scene = nullptr;
     };
     void make(Served& served, const TissueModel& tissue);
-    void make(Served& served, const TissueModel& tissue, const HapticOptions& haptic, const std::vector<NodeField>& fe_displacement_m, std::optional<LearnedField> learned) const;
+    void make(Served& served, const TissueModel& tissue, const TissueModel& of_tool, const HapticOptions& haptic, const std::vector<NodeField>& fe_displacement_m, std::optional<LearnedField> learned) const;
     void carry(Served& served) const;
     void serve_other_tools(const std::string& file, const TissueModel& tissue);
     void run();

@@ -167,7 +167,7 @@ function make_window(mesh, m) {
   const dots = new THREE.Points(marks, new THREE.PointsMaterial({ size: 4, sizeAttenuation: false, color: 0xffffff }));
   dots.frustumCulled = false;
 
-  const fe_force = arrow_of(plain(0.96, { depthTest: false })), { radius_m: radius } = model.tool;
+  const fe_force = arrow_of(plain(0.96, { depthTest: false })), [{ radius_m: radius }] = model.tool;
   const tools = [...Array(model.tools).keys()].map(tool => drawn_tool(tool, size));
   const ring = new THREE.Mesh(new THREE.RingBufferGeometry(0.9 * radius, radius, 40), plain(0.9, { side: THREE.DoubleSide, depthTest: false, color: 0xffffff }));
   ring.renderOrder = 4;
@@ -181,7 +181,7 @@ function make_window(mesh, m) {
 /** A tool as drawn in a window: its body on the tissue (white, the second tool grey), its force, and a mark at its
  *  position without contact. */
 function drawn_tool(tool, size) {
-  const { shape, radius_m: radius } = model.tool, ball = shape === "ball", thick = (ball ? 2 : 0.5) * radius;
+  const { shape, radius_m: radius } = model.tool[tool], ball = shape === "ball", thick = (ball ? 2 : 0.5) * radius;
   const colour = tool === 0 ? 0xffffff : 0x8d99a6;
   const body = new THREE.Mesh(ball ? new THREE.SphereBufferGeometry(radius, 40, 24) : new THREE.CylinderBufferGeometry(radius, radius, thick, 40), plain(0.45, { depthWrite: false, color: colour }));
   body.add(new THREE.LineSegments(new THREE.EdgesGeometry(body.geometry, 40), flat(1, { color: colour })));

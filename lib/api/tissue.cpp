@@ -116,7 +116,7 @@ tissue_status tissue_open_model(const char* model_file, const char* const* optio
             if (const tissue_status status = set(haptic, options[0], options[1]); status != TISSUE_OK) return status;
         }
         check_options(haptic);  // before the model is built with them
-        const TissueModel tissue = with_tool(read_model(model_file), haptic.tool);
+        const TissueModel tissue = read_model(model_file);
         *model = new tissue_model{std::make_shared<HapticModel>(tissue, haptic), NamedSurfaces(tissue)};
         return TISSUE_OK;
     });
@@ -197,7 +197,7 @@ tissue_status tissue_clutch(tissue_session* s, int on) {
 tissue_status tissue_grasp(tissue_session* s, int on) {
     if (!s) return bad("tissue_grasp: a null pointer");
     return caught([&] {
-        if (on) s->model->check_grasp();
+        if (on) s->model->check_grasp(s->tool());
         s->simulation.grasp(on != 0, s->tool());
         return TISSUE_OK;
     });
@@ -273,9 +273,11 @@ int tissue_tool_count(const tissue_session* s) { return s ? s->simulation.tool_c
 int tissue_dimension(const tissue_session* s) { return s ? s->model->dimension() : 0; }
 int tissue_node_count(const tissue_session* s) { return s ? s->model->rest.node_count() : 0; }
 int tissue_facet_count(const tissue_session* s) { return s ? static_cast<int>(s->model->rest.facets.rows()) : 0; }
-double tissue_tool_radius(const tissue_session* s) { return s ? s->model->tool.radius_m : 0; }
+static const ToolChoice& tool_of(const tissue_session* s) { return s->model->tools[static_cast<std::size_t>(s->tool())]; }
 
-const char* tissue_tool_shape(const tissue_session* s) { return s && s->model->is_solid() ? to_string(s->model->tool.shape) : ""; }
+double tissue_tool_radius(const tissue_session* s) { return s ? tool_of(s).radius_m : 0; }
+
+const char* tissue_tool_shape(const tissue_session* s) { return s && s->model->is_solid() ? to_string(tool_of(s).shape) : ""; }
 const char* tissue_study(const tissue_session* s) { return s ? s->model->study.c_str() : ""; }
 
 tissue_status tissue_facets(const tissue_session* s, int* nodes) {

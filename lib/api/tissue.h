@@ -203,9 +203,10 @@ TISSUE_API int tissue_dimension(const tissue_session *session);           /* D; 
 TISSUE_API int tissue_node_count(const tissue_session *session);          /* N */
 /* F, facets of the surface: segments in the plane, triangles in space */
 TISSUE_API int tissue_facet_count(const tissue_session *session);
-/* radius of the tool in space [m], as option tool or else the model defines it; 0 in the plane and for NULL */
+/* radius of the selected tool (tissue_use_tool) in space [m], as option tool or else the model defines it; 0 in the
+ * plane and for NULL */
 TISSUE_API double tissue_tool_radius(const tissue_session *session);
-/* "disc" or "ball"; "" in the plane and for NULL */
+/* of the selected tool: "disc" or "ball"; "" in the plane and for NULL */
 TISSUE_API const char *tissue_tool_shape(const tissue_session *session);
 TISSUE_API const char *tissue_study(const tissue_session *session);       /* "" for NULL; valid until tissue_close */
 

@@ -119,7 +119,7 @@ NodeField play_history(const HapticModel& model, const History& history) {
     NodeField answer = NodeField::Zero(T, model.dimension());
     Point last = Point::Zero(model.dimension());
     int touching = history.contact[0], before = touching;
-    if (touching > 0) mesh.law->contact(places[touching - 1].facet, places[touching - 1].weight, {}, tool);
+    if (touching > 0) mesh.law->contacts().at(places[touching - 1].facet, places[touching - 1].weight, {}, tool);
     Eigen::Index next = 1;
     for (long long tick = 1; next < T; ++tick) {
         const double t = static_cast<double>(tick) * dt;
@@ -129,7 +129,7 @@ NodeField play_history(const HapticModel& model, const History& history) {
         if (const int now = history.contact[after - 1] == history.contact[after] ? history.contact[after] : t + 1e-9 >= history.time_s[T - 1] ? history.contact[after] : 0; now != touching) {
             touching = now;
             memory.forget();
-            if (now > 0) mesh.law->contact(places[now - 1].facet, places[now - 1].weight, {}, tool);
+            if (now > 0) mesh.law->contacts().at(places[now - 1].facet, places[now - 1].weight, {}, tool);
         }
         load.tool = touching > 0 ? &tool : nullptr;
         load.push_m = row_at(history.time_s, history.push_m, t);

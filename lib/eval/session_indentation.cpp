@@ -100,7 +100,7 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Ind
     result.force_N = -r.coupling_N;
     if (r.set >= 0) result.set = model.set_names[static_cast<std::size_t>(r.set)];
     if (r.mesh != 0) {
-        result.reason = simulation.counters().unstable > 0 ? "the mesh diverged" : pulls && !model.grasps ? "the case pulls, and the model cannot grasp" : "the tool lost contact";
+        result.reason = simulation.counters().unstable > 0 ? "the mesh diverged" : pulls && !model.grasps() ? "the case pulls, and the model cannot grasp" : "the tool lost contact";
         return result;
     }
 

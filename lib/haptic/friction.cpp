@@ -45,7 +45,7 @@ Friction::Friction(const FrictionOptions& options) : stick_(options.stick), slip
     if (!(slip_ <= stick_)) throw MismatchError(fmt::format("kinetic friction {} must not be above the static {}", slip_, stick_));
 }
 
-Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeEnergyModel& law, const NodeColumns& u, const Point& tool_m,
+Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, const ToolContact& contacts, const NodeColumns& u, const Point& tool_m,
                      SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory, ToolMemory* beside) noexcept {
     Point drags = Point::Zero(tool_m.size());
     if (std::isinf(stick_)) return drags;
@@ -65,7 +65,7 @@ Point Friction::slide(const FreeSurface& surface, const RealtimeMesh& mesh, cons
             if (!(walk.walked_m > 0)) break;
             const Point place = mesh.rest_place(walk.facet, walk.weight);
             next_.show_at_most(tool.most_N());
-            law.contact(walk.facet, walk.weight, tool.growth(), next_);  // the next tick updates its growth
+            contacts.at(walk.facet, walk.weight, tool.growth(), next_);  // the next tick updates its growth
             next_memory_ = memory;
             next_memory_.follow(tool, next_);
             const double after_J = next_.energy_J(tool_m - place, u, &next_memory_);

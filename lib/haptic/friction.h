@@ -33,13 +33,13 @@ class Friction {
     bool slipping() const { return slipping_; }   ///< whether the contact slipped in the last call of slide()
     double dissipated_J() const { return dissipated_J_; }   ///< energy dissipated so far
 
-    /// Slides the contact of an energy model, `law`, while its tool is in contact. tool_m: position of the tool in the
+    /// Slides the contact of an energy model, one of `contacts`, while its tool is in contact. tool_m: position of the tool in the
     /// mesh's own coordinates [m] (D). u: displacement of the nodes [m] (N x D).
     /// where, touched_m, tool: facet and weights of the contact's place, its position at rest [m] (D), and the
     /// contact's energy; a slide changes all three. memory: the contact's Maxwell branches, moved along with it.
     /// beside: the same for this contact on a second mesh; null without one.
     /// Returns the unit direction of the tangential force (D), zero where the contact does not slip.
-    Point slide(const FreeSurface& surface, const RealtimeMesh& mesh, const RealtimeEnergyModel& law, const NodeColumns& u, const Point& tool_m,
+    Point slide(const FreeSurface& surface, const RealtimeMesh& mesh, const ToolContact& contacts, const NodeColumns& u, const Point& tool_m,
                SurfacePlace& where, Point& touched_m, ToolSpring& tool, ToolMemory& memory, ToolMemory* beside = nullptr) noexcept;
 
     /// Slides a contact on spring sets, in the plane. coupling_N_m: stiffness k_C of the coupling between the tool

@@ -13,6 +13,7 @@
 #include "haptic/session_options.h"
 #include "haptic/spectrum.h"
 #include "haptic/support_mass.h"
+#include "springs/energy_model_at_radius.h"
 #include "springs/energy_model_terms.h"
 #include "springs/spring_sets.h"
 #include "version.h"
@@ -38,10 +39,13 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
     return mesh;
 }
 
+double ball_m(const ToolChoice& tool) { return tool.shape == ToolChoice::Shape::ball ? tool.radius_m : 0; }
+
+/// Makes a mesh of an energy model. tool: the first of the session.
 std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueModel& model, const Point& place_m, const ToolChoice& tool) {
     const NodeField theta = model.energy_model->constants.head(model.mesh.spring_count()).transpose();
     auto mesh = make_mesh(name, model, model.energy_model->curve, theta, place_m, mass_with_supports(model));
-    mesh->law = std::make_unique<RealtimeEnergyModel>(model, mesh->springs, tool.shape == ToolChoice::Shape::ball ? tool.radius_m : 0);
+    mesh->law = std::make_unique<RealtimeEnergyModel>(model, mesh->springs, ball_m(tool));
     return mesh;
 }
 
@@ -65,15 +69,22 @@ double lead_of(const HapticMesh& mesh, double dt_s) {
 }
 
 /// Chooses the time integration of an energy model and its damping, from the spectrum of the instantaneous stiffness.
-void choose_law_dynamics(const TissueModel& model, HapticMesh& mesh, const HapticOptions& o) {
-    const EnergyModelSpectrum spectrum = energy_model_spectrum(model, mesh.springs, o.tools);
+/// of_tool: the model with each tool, or with the one of all tools.
+void choose_law_dynamics(const std::vector<TissueModel>& of_tool, const ToolChoices& tools, HapticMesh& mesh, const HapticOptions& o) {
+    EnergyModelSpectrum spectrum{};
+    for (std::size_t k = 0; k < of_tool.size(); ++k) {
+        const EnergyModelSpectrum own = energy_model_spectrum(of_tool[k], mesh.springs, o.tools);
+        // A ball's force is 5/4 of the disc's, and grows as d^1.5 (Hertz). Its contact is larger on a concave surface.
+        const double stiffer = tools[k].shape == ToolChoice::Shape::ball ? 1.5 * 1.25 * BallContact::hollow : 1;
+        spectrum.smallest = own.smallest;  // of the tissue alone
+        if (!(own.largest <= spectrum.largest) && !std::isnan(spectrum.largest)) spectrum.largest = own.largest;  // std::max would drop NaN
+        spectrum.contact_N_m = std::max(spectrum.contact_N_m, stiffer * own.contact_N_m);
+        spectrum.static_N_m = std::max(spectrum.static_N_m, stiffer * own.static_N_m);
+    }
     const double lowest = std::sqrt(spectrum.smallest);
     mesh.largest_eigenvalue_1_s2 = spectrum.largest;
-    // A ball's force is 5/4 of the disc's, and grows as d^1.5 (Hertz). Its contact is larger on a concave surface.
-    const bool is_ball = o.tool.shape == ToolChoice::Shape::ball;
-    const double stiffer = is_ball ? 1.5 * 1.25 * BallContact::hollow : 1;
-    mesh.contact_N_m = o.stiffest * stiffer * spectrum.contact_N_m;
-    mesh.static_N_m = o.stiffest * stiffer * spectrum.static_N_m;
+    mesh.contact_N_m = o.stiffest * spectrum.contact_N_m;
+    mesh.static_N_m = o.stiffest * spectrum.static_N_m;
     mesh.dynamics = o.dynamics == "auto" ? "symplectic" : o.dynamics;
     mesh.substeps = energy_model_substeps(o.stiffest * spectrum.largest, o.dt_s);
     mesh.lowest_frequency_Hz = lowest / turn;
@@ -141,6 +152,8 @@ void check_device(const DeviceImpedance& device, const DeviceMap& map, double dt
 void check_options(const HapticOptions& o) {
     for (const SessionOption& option : session_options()) option.check(o);
     if (!(o.dt_s <= o.safety.hold_s / 2)) throw MismatchError(fmt::format("dt must be at most half of hold, {:g} s, not {:g}: the device may release a force before the next one", o.safety.hold_s / 2, o.dt_s));
+    if (o.tool.size() != 1 && static_cast<int>(o.tool.size()) != o.tools)
+        throw MismatchError(fmt::format("tool names {} tools, and tools is {}: name one for all or one for each", o.tool.size(), o.tools));
     Friction{o.friction};  // throws where static and kinetic friction contradict each other
     if (!(o.stiffest >= 1)) throw MismatchError("the largest factor of an adapted stiffness must be at least 1");
     if (!(o.safety.damping_max_Ns_m >= 0)) throw MismatchError("the largest damping of the passivity controller must not be negative");
@@ -149,7 +162,7 @@ void check_options(const HapticOptions& o) {
 
 namespace {
 
-std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue) {
+std::uint64_t fingerprint_of(const HapticModel& model, const std::vector<TissueModel>& of_tool) {
     XXH3_state_t* const hash = XXH3_createState();
     if (!hash) throw std::bad_alloc();
     XXH3_64bits_reset(hash);
@@ -185,12 +198,15 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
         add_array(mesh->law->relaxation().share);
         add_array(mesh->law->relaxation().contact_share);
     }
-    if (tissue.energy_model) {  // what contacts depend on besides patch.log_N_m
+    for (std::size_t k = 0; k < of_tool.size(); ++k) {  // what contacts depend on besides patch.log_N_m of the first tool
+        const TissueModel& tissue = of_tool[k];
+        if (!tissue.energy_model) continue;
         add_array(tissue.energy_model->disc.ground);
         add_array(tissue.energy_model->disc.curved_range);
         add_array(tissue.energy_model->disc.correction.value);
-        const double radii_m[] = {tissue.energy_model->disc_radius_m, model.tool.shape == ToolChoice::Shape::ball ? model.tool.radius_m : 0};
+        const double radii_m[] = {tissue.energy_model->disc_radius_m, ball_m(model.tools[k])};
         add(radii_m, sizeof radii_m);
+        add_array(tissue.energy_model->patch.log_N_m);
         for (const std::string& term : tissue.energy_model->terms) add_array(term);
         add_array(tissue.energy_model->coefficients);
         add_array(tissue.energy_model->disc.sizes.radii_m);
@@ -205,29 +221,42 @@ std::uint64_t fingerprint_of(const HapticModel& model, const TissueModel& tissue
 
 namespace {
 
-/// The tool of the options, with its radius. Throws MismatchError where the model was not made for it (with_tool).
-ToolChoice tool_of(const TissueModel& model, ToolChoice asked) {
-    const double own_m = model.energy_model ? model.energy_model->disc_radius_m : 0, needed_m = asked.shape == ToolChoice::Shape::ball ? BallContact::half_in * asked.radius_m : asked.radius_m;
-    const bool is_ball = model.energy_model && model.energy_model->disc.ball_contact_m > 0;
-    if (is_ball != (asked.shape == ToolChoice::Shape::ball) || (!asked.is_default() && own_m != needed_m)) throw MismatchError(fmt::format("tool {}: the model has {} and was not prepared for this tool: call with_tool() first", to_string(asked), own_m > 0 ? fmt::format("a disc of {:g} m", own_m) : "no disc"));
-    if (asked.radius_m == 0) asked.radius_m = own_m;
-    return asked;
+/// The model with each tool of the options, or once where all tools are alike.
+std::vector<TissueModel> with_tools(const TissueModel& model, const HapticOptions& o) {
+    if (model.energy_model && model.energy_model->disc.ball_contact_m > 0) throw MismatchError("a model that with_tool() has prepared for a ball: give the model of the file, and the tool as an option");
+    std::vector<TissueModel> of_tool;
+    for (const ToolChoice& tool : o.tool) of_tool.push_back(with_tool(model, tool));
+    if (of_tool.size() == 2 && o.tool[0] == o.tool[1]) of_tool.pop_back();
+    return of_tool;
+}
+
+/// The tools of the session, with the radius of the model's own disc where none is given.
+ToolChoices tools_of(const std::vector<TissueModel>& of_tool, const HapticOptions& o) {
+    ToolChoices tools;
+    for (int k = 0; k < o.tools; ++k) {
+        const auto& law = of_tool[std::min(static_cast<std::size_t>(k), of_tool.size() - 1)].energy_model;
+        tools.push_back(choice_of(o.tool, static_cast<std::size_t>(k)));
+        if (tools.back().radius_m == 0 && law) tools.back().radius_m = law->disc_radius_m;
+    }
+    return tools;
 }
 
 }  // namespace
 
-void HapticModel::check_grasp() const {
-    if (!grasps) throw MismatchError("this model cannot grasp: it has spring sets, or in space its tool is a ball or its contact was not trained to be pulled (term contact.compression)");
+void HapticModel::check_grasp(int tool) const {
+    if (!grasps(tool)) throw MismatchError("this model cannot grasp: it has spring sets, or in space its tool is a ball or its contact was not trained to be pulled (term contact.compression)");
 }
 
-HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
-    : study(model.study), tool(tool_of(model, given.tool)), options(given), set_names(model.case_names), surface(model.mesh), rest(model.mesh) {
-    check_options(given);
+HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given) : HapticModel((check_options(given), with_tools(model, given)), given) {}
+
+HapticModel::HapticModel(const std::vector<TissueModel>& of_tool, const HapticOptions& given)
+    : study(of_tool[0].study), tools(tools_of(of_tool, given)), options(given), set_names(of_tool[0].case_names), surface(of_tool[0].mesh), rest(of_tool[0].mesh) {
+    const TissueModel& model = of_tool[0];
     if (model.mesh.is_solid() && !model.energy_model) throw MismatchError("a model in space must be an energy model; this one has spring sets");
     if (given.tools > 1 && (!model.energy_model || given.heuristic_mesh))
         throw MismatchError(!model.energy_model ? "two tools need an energy model, and this model has spring sets" : "two tools are not possible with the heuristic mesh: set heuristic to no");
-    grasps = model.energy_model && (!model.mesh.is_solid() || (model.energy_model->patch.curve == ContactCurve::compression && tool.shape == ToolChoice::Shape::disc));
-    if (std::isfinite(given.grasp_max_N)) check_grasp();
+    may_be_pulled = model.energy_model && (!model.mesh.is_solid() || model.energy_model->patch.curve == ContactCurve::compression);
+    if (std::isfinite(given.grasp_max_N) && !(given.tools > 1 && grasps(1))) check_grasp();
     if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
     HapticOptions& o = options;
     const bool damping_asked = o.damping_ratio.has_value();
@@ -247,7 +276,8 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         if (o.select_by != SelectBy::displacement) throw MismatchError("select-by: an energy model has no spring sets to select by force");
         if (given.innovation) throw MismatchError("innovation: an energy model has no spring sets to average");
         set_names.clear();
-        meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension()), tool));
+        meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension()), tools[0]));
+        for (std::size_t k = 1; k < of_tool.size(); ++k) meshes[0]->law->add_tool(model.mesh, *of_tool[k].energy_model, ball_m(tools[k]));
     } else {
         const NodeField& theta = sets_of(model, o.sets);
         if (o.sets.empty()) o.sets = model.trained.front().optimizer;
@@ -258,7 +288,7 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
     Point beside = Point::Zero(dimension());
     beside[0] = o.place_m;
     if (o.heuristic_mesh && is_solid())
-        meshes.push_back(make_law_mesh("heuristic", untrained(model), beside, tool));
+        meshes.push_back(make_law_mesh("heuristic", untrained(model), beside, tools[0]));
     else if (o.heuristic_mesh)  // of the instantaneous E, since spring sets do not relax
         meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside, model.node_mass_kg));
     const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
@@ -268,12 +298,12 @@ HapticModel::HapticModel(const TissueModel& model, const HapticOptions& given)
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
     for (auto& mesh : meshes) {
         if (mesh->law)
-            choose_law_dynamics(mesh->name == "learned" ? model : untrained(model), *mesh, o);
+            choose_law_dynamics(mesh->name == "learned" ? of_tool : std::vector<TissueModel>{untrained(model)}, tools, *mesh, o);
         else
             choose_dynamics(*mesh, o, damping_asked || !model.energy_model ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
         check_device(o.device, o.map, o.dt_s, *mesh);
     }
-    fingerprint = fingerprint_of(*this, model);
+    fingerprint = fingerprint_of(*this, of_tool);
 }
 
 }  // namespace tissue

@@ -42,7 +42,7 @@ struct HapticOptions {
     double place_m = 0;               ///< position of the second mesh along x [m]; 0: 1.5 widths of the tissue
     SelectBy select_by = SelectBy::displacement;
     int tools = 1;                    ///< number of devices and tools; 2 only on an energy model without a second mesh
-    ToolChoice tool;                  ///< in space, on an energy model that with_tool (springs/energy_model_at_radius.h) made
+    ToolChoices tool = {ToolChoice()};  ///< in space, on an energy model: of each tool, or one for all
     double grasp_max_N = std::numeric_limits<double>::infinity();  ///< a grasp lets go above this force on the tissue
     FrictionOptions friction;                                            ///< between tool and tissue
     SafetyOptions safety;             ///< its dt_s is set from dt_s above

@@ -51,7 +51,7 @@ HapticOptions live_options(HapticOptions options, const Adaptation& adaptation) 
 Learner::Learner(const HapticModel& model, Adaptation& adaptation, const LearnerOptions& options)
     : model_(model), adaptation_(adaptation), options_(options), now_(law_of(model).stiffness()), readings_to_learn_(64),
       learned_({now_, 0}) {
-    if (model.tool.shape != ToolChoice::Shape::disc) throw MismatchError("a model learns only with its own disc, not with a ball");
+    if (!all_default(model.options.tool)) throw MismatchError("a model learns only with its own disc, not with another tool");
     const EnergyModel law = adaptation.law();
     if (law.constants.size() != now_.constants.size() || law.patch.log_N_m.rows() != now_.patch.log_N_m.rows())
         throw MismatchError("the adaptation belongs to a model other than the session's");

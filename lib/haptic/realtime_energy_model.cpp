@@ -9,7 +9,6 @@
 
 #include "error.h"
 #include "haptic/cell_kernels.h"
-#include "springs/law_kernel.h"
 #include "springs/region_area.h"
 
 namespace tissue {
@@ -24,16 +23,15 @@ const EnergyModel& law_of(const TissueModel& model) {
 
 }  // namespace
 
-RealtimeEnergyModel::RealtimeEnergyModel(const TissueModel& model, const RealtimeMesh& springs, double ball_m)
-    : springs_(springs), skin_(law_of(model).skin()), kernel_(make_contact_kernel(model.mesh, law_of(model))), ball_{ball_m} {
+RealtimeEnergyModel::RealtimeEnergyModel(const TissueModel& model, const RealtimeMesh& springs, double ball_m) : springs_(springs) {
     const EnergyModel& law = law_of(model);
-    if (ball_m > 0) sizes_ = PatchSizes(law);
+    contacts_.emplace_back(model.mesh, law, ball_m);
     if (!springs.law().curve()) throw MismatchError(fmt::format("springs of an energy model must be geometric, not {}", springs.law().name()));
     if (!(*springs.law().curve() == law.curve)) throw MismatchError("the mesh and the energy model have different spring curves");
     const TissueEnergy energy(model.mesh, law);
     if (law.constants.size() != energy.constant_count()) throw MismatchError("the constants of the energy model do not match the mesh");
     now_ = {law.constants, law.patch, law.contact_log_scale.size() > 0 ? law.contact_log_scale : Eigen::VectorXd::Zero(model.mesh.node_count())};
-    kernel_->scale(now_.contact_log_scale);
+    contacts_.front().scale(now_.contact_log_scale);
 
     theta_ = springs.to_slots(law.constants.head(energy.kinds().front()->count()));
     spring_of_slot_.assign(static_cast<std::size_t>(springs.slot_count()), -1);
@@ -69,67 +67,14 @@ RealtimeEnergyModel::RealtimeEnergyModel(const TissueModel& model, const Realtim
 }
 
 RealtimeEnergyModel::RealtimeEnergyModel(const RealtimeEnergyModel& other)
-    : springs_(other.springs_), skin_(other.skin_), now_(other.now_), theta_(other.theta_), relaxation_(other.relaxation_), first_square_(other.first_square_), first_region_(other.first_region_),
+    : springs_(other.springs_), now_(other.now_), theta_(other.theta_), relaxation_(other.relaxation_), first_square_(other.first_square_), first_region_(other.first_region_),
       first_cube_(other.first_cube_), spring_of_slot_(other.spring_of_slot_), squares_(other.squares_), regions_(other.regions_), walk_(other.walk_),
-      cubes_(other.cubes_), supports_(other.supports_), kernel_(other.kernel_->clone()), ball_(other.ball_), sizes_(other.sizes_) {}
-
-namespace {
-
-constexpr double smallest_contact = 0.02;  // a / R_e: of a ball that just touches
-
-}  // namespace
-
-RealtimeEnergyModel::BallAt RealtimeEnergyModel::ball_at(int facet, const Eigen::Vector3d& weight, const Point& push_m) const noexcept {
-    const ContactKernel::SurfaceAt surface = kernel_->surface_at(facet, weight);
-    const double effective_m = ball_.effective_m(surface.curvature_1_m), depth_m = surface.inward.dot(Eigen::Vector3d(push_m)), radius_m = BallContact::contact_m(effective_m, depth_m);
-    const double smallest_m = smallest_contact * effective_m;
-    return {push_m, surface.inward, effective_m, depth_m, std::max(radius_m, smallest_m), radius_m < smallest_m ? 0 : BallContact::growth(effective_m, depth_m)};
-}
-
-void RealtimeEnergyModel::contact(int facet, const Eigen::Vector3d& weight, const Point& push_m, const NodeColumns& u, ToolSpring& tool) const noexcept {
-    if (!contact_grows()) return kernel_->tool_at(facet, weight, 0, now_.patch, tool);
-    constexpr double step = 0.01;  // relative step of the radius, for dE/da
-    const BallAt at = ball_at(facet, weight, push_m);
-    const Eigen::Vector3d along = at.push_m - at.depth_m * at.inward;
-    ToolSpring::Growth now{at.radius_m, 0, at.depth_m, {}, tool.growth().rings};
-    // first touch: bound at zero displacement
-    if (tool.growth().radius_m == 0) now.rings = BoundRings(BallContact::largest * ball_.radius_m, smallest_contact * at.effective_m, Eigen::Vector3d::Zero());
-    now.rings.follow(at.radius_m, along);
-    now.anchor_m = now.rings.mean_m();
-    now.anchor_m -= at.inward.dot(now.anchor_m) * at.inward;
-    contact(facet, weight, now, tool);
-    if (at.growth == 0) return;
-    // growth leaves the energy stored along the surface unchanged, as in BallIndentation: sqrt(radius) times the stretch is
-    // constant
-    ToolSpring larger;
-    ToolSpring::Growth more = now;
-    more.radius_m *= 1 + step;
-    more.anchor_m = along - (along - now.anchor_m) / std::sqrt(1 + step);
-    contact(facet, weight, more, larger);
-    const double most_N = tool.most_N();
-    tool.show_at_most(std::numeric_limits<double>::infinity());
-    const double here_J = tool.energy_J(push_m, u), there_J = larger.energy_J(push_m, u);
-    tool.show_at_most(most_N);
-    // exact where E is a power of the radius. A tool that stays behind the hand never reaches push_m: there this part
-    // is at most a fifth of the largest force, its share of a ball's force on a half space
-    if (here_J > 0 && there_J > 0) now.force_N = std::min(at.growth * here_J / at.radius_m * std::log(there_J / here_J) / std::log1p(step), most_N / 5);
-    tool.grow(now);
-}
-
-void RealtimeEnergyModel::contact(int facet, const Eigen::Vector3d& weight, const ToolSpring::Growth& growth, ToolSpring& tool) const noexcept {
-    kernel_->tool_at(facet, weight, growth.radius_m, growth.radius_m > 0 ? sizes_.at(growth.radius_m) : now_.patch, tool);
-    tool.grow(growth);
-}
-
-void RealtimeEnergyModel::show_skin(int facet, const Eigen::Vector3d& weight, const Point& push_m, NodeColumns& u) const noexcept {
-    const double radius_m = contact_grows() ? ball_at(facet, weight, push_m).radius_m : 0;
-    kernel_->show_skin(facet, weight, radius_m, skin_, push_m, u);
-}
+      cubes_(other.cubes_), supports_(other.supports_), contacts_(other.contacts_) {}
 
 void RealtimeEnergyModel::fields(StateBytes& state) noexcept {
     state(now_.constants, now_.patch.log_N_m, now_.contact_log_scale, theta_, squares_.gain, cubes_.gain, supports_.gain);
     for (Region& region : regions_) state(region.gain);
-    if (state.reads()) kernel_->scale(now_.contact_log_scale);
+    if (state.reads()) contacts_become();
 }
 
 void RealtimeEnergyModel::become(const EnergyModelStiffness& stiffness) noexcept {
@@ -145,7 +90,17 @@ void RealtimeEnergyModel::become(const EnergyModelStiffness& stiffness) noexcept
     now_.constants = stiffness.constants;
     now_.patch = stiffness.patch;
     now_.contact_log_scale = stiffness.contact_log_scale;
-    kernel_->scale(now_.contact_log_scale);
+    contacts_become();
+}
+
+void RealtimeEnergyModel::add_tool(const SpringMesh& mesh, const EnergyModel& law, double ball_m) {
+    contacts_.emplace_back(mesh, law, ball_m);
+    contacts_.back().scale(now_.contact_log_scale);
+}
+
+void RealtimeEnergyModel::contacts_become() noexcept {
+    contacts_.front().become(now_.patch, now_.contact_log_scale);
+    for (std::size_t k = 1; k < contacts_.size(); ++k) contacts_[k].scale(now_.contact_log_scale);
 }
 
 BranchMemory RealtimeEnergyModel::memory(double dt_s) const {

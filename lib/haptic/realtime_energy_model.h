@@ -1,15 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <memory>
 #include <vector>
 
 #include "haptic/realtime_mesh.h"
 #include "haptic/state_bytes.h"
+#include "haptic/tool_contact.h"
 #include "springs/cell_volumes.h"
-#include "springs/ball_contact.h"
-#include "springs/contact_patch.h"
-#include "springs/patch_sizes.h"
 #include "springs/tissue_energy.h"
 #include "springs/tissue_model.h"
 
@@ -18,7 +16,7 @@ namespace tissue {
 /// The part of an energy model that may change during a session. Sizes stay as they are.
 struct EnergyModelStiffness {
     Eigen::VectorXd constants;          ///< of a TissueEnergy [N/m] (E), all > 0
-    ContactParameters patch;                     ///< contact stiffnesses
+    ContactParameters patch;            ///< contact stiffnesses of the first tool
     Eigen::VectorXd contact_log_scale;  ///< log of a factor on the contact stiffness at each node (N)
 };
 
@@ -38,7 +36,7 @@ struct BranchEnergies {
 class RealtimeEnergyModel {
    public:
     /// springs: layout of the model's mesh, with the spring curve of its energy model; must outlive this object.
-    /// ball_m: radius of the ball that is the tool [m]; 0: the model's own disc or patch.
+    /// ball_m: radius of the ball that is the first tool [m]; 0: the model's own disc or patch.
     /// Throws MismatchError for a model without an energy model, for springs of another kind or curve, for constants or
     /// relative moduli that do not fit the mesh, and for cubes that are not numbered as in a lattice.
     RealtimeEnergyModel(const TissueModel& model, const RealtimeMesh& springs, double ball_m = 0);
@@ -74,20 +72,11 @@ class RealtimeEnergyModel {
     /// Energies of the branches, with the present constants. 0 for a memory without an energy log (BranchMemory::book).
     BranchEnergies branches(const BranchMemory& memory) const;
 
-    /// Sets `tool` to the contact at a place of the mesh's boundary, with the same energy as in training and evaluation
-    /// (ContactKernel::tool_at). facet, weight: the place. push_m: tool displacement d (D). A ball's contact depends on
-    /// d and u (springs/ball_indentation.h); any other does not. On entry `tool` is the same contact at the previous tick, or
-    /// a tool without growth where the contact is new. Allocates nothing.
-    void contact(int facet, const Eigen::Vector3d& weight, const Point& push_m, const NodeColumns& u, ToolSpring& tool) const noexcept;
-    bool contact_grows() const { return ball_.radius_m > 0; }  ///< with the tool displacement: a ball's
-    /// The same for a given growth, as of a ball. A growth of radius 0 gives the contact of the model's own disc or
-    /// patch.
-    void contact(int facet, const Eigen::Vector3d& weight, const ToolSpring::Growth& growth, ToolSpring& tool) const noexcept;
-
-    /// Replaces displacements u near the tool by the displayed ones (ContactKernel::show_skin). Allocates nothing.
-    void show_skin(int facet, const Eigen::Vector3d& weight, const Point& push_m, NodeColumns& u) const noexcept;
-
-    double spacing_m() const { return kernel_->spacing_m(); }  ///< mean distance of the free surface's nodes
+    /// Adds a tool with other contacts than the first: those of `law`, whose springs, cells and supports are the model's
+    /// own. The arguments are as for ToolContact.
+    void add_tool(const SpringMesh& mesh, const EnergyModel& law, double ball_m);
+    /// Contacts of a tool of the session; those of the first tool where no other was added.
+    const ToolContact& contacts(int tool = 0) const noexcept { return contacts_[std::min(static_cast<std::size_t>(tool), contacts_.size() - 1)]; }
 
     const EnergyModelStiffness& stiffness() const { return now_; }
     const Relaxation& relaxation() const { return relaxation_; }
@@ -164,16 +153,9 @@ class RealtimeEnergyModel {
     void elements_force(const NodeColumns& u, NodeColumns& f, BranchMemory* memory) const noexcept;
     void all_force(const NodeColumns& u, NodeColumns& f, Scratch& scratch, BranchMemory* memory) const noexcept;
 
-    /// Contact of a ball at a place and a tool displacement (springs/ball_contact.h).
-    struct BallAt {
-        Eigen::Vector3d push_m, inward;
-        /// R_e, depth d, contact radius a [m], and da / dd [1], which is 0 where a is the smallest radius
-        double effective_m, depth_m, radius_m, growth;
-    };
-    BallAt ball_at(int facet, const Eigen::Vector3d& weight, const Point& push_m) const noexcept;
+    void contacts_become() noexcept;
 
     const RealtimeMesh& springs_;
-    SkinParameters skin_;
     EnergyModelStiffness now_;
     Eigen::VectorXd theta_;  ///< of springs, by slot [N/m] (P)
     Relaxation relaxation_;
@@ -184,9 +166,7 @@ class RealtimeEnergyModel {
     std::vector<Step> walk_;
     Cubes cubes_;
     Supports supports_;
-    std::unique_ptr<ContactKernel> kernel_;
-    BallContact ball_;   ///< radius 0: the tool is no ball
-    PatchSizes sizes_;   ///< contact stiffnesses by radius, for a ball
+    std::vector<ToolContact> contacts_;  ///< of each tool; one for all where they are alike
 };
 
 }  // namespace tissue

@@ -42,7 +42,7 @@ void read(const SessionOption& o, const std::string& text, int& to) {
 void read(const SessionOption&, const std::string& text, bool& to) { to = text == "yes"; }
 void read(const SessionOption&, const std::string& text, std::string& to) { to = text; }
 void read(const SessionOption&, const std::string& text, SelectBy& to) { to = text == "force" ? SelectBy::force : SelectBy::displacement; }
-void read(const SessionOption&, const std::string& text, ToolChoice& to) { to = tool_choice(text); }
+void read(const SessionOption&, const std::string& text, ToolChoices& to) { to = tool_choices(text); }
 void read(const SessionOption&, const std::string& text, decltype(DeviceMap::axes)& to) { to = parse_axes(text); }
 void read(const SessionOption& o, const std::string& text, Point& to) {
     std::istringstream words(text);
@@ -61,7 +61,7 @@ template <class Other> std::vector<double> numbers_in(const Other&) { return {};
 std::string shown(bool value) { return value ? "yes" : "no"; }
 std::string shown(const std::string& value) { return value; }
 std::string shown(SelectBy value) { return value == SelectBy::force ? "force" : "displacement"; }
-std::string shown(const ToolChoice& value) { return to_string(value); }
+std::string shown(const ToolChoices& value) { return to_string(value); }
 template <class Numbers> std::string shown(const Numbers& value) { return fmt::format("{}", fmt::join(numbers_in(value), " ")); }
 
 Allowed one_of(std::vector<std::string> words) {
@@ -94,8 +94,8 @@ const std::vector<SessionOption>& session_options() {
          "With 10 the tool's displacement is larger by a tenth. Refused if no mesh of the session has spring sets.", "10"},
         {"damping", "1", {0, inf, true}, everywhere, [](O& o) -> auto& { return o.damping_ratio; }, "damping ratio of the lowest mode; default of an energy model 0.17, of one that relaxes 0.01",
          "For spring sets 0.05 is the paper's \"very small values\". With 0.17 the oscillation of an energy model decays before a hand notices it. Maxwell branches add damping of their own.", "0.05"},
-        {"tool", "TOOL", any, everywhere, [](O& o) -> auto& { return o.tool; }, "tool in space: disc, disc:0.005, ball:0.004",
-         "Default: the disc of the model. A model that was trained with discs of several radii accepts any disc between the smallest and the largest, and a ball whose contact at half depth of the ball is between those radii. The contact of a ball grows with its displacement; the device's position is the point of the ball that touches. Other tools are refused. Balls are refused for a model that relaxes; a session that learns accepts only the disc of the model."},
+        {"tool", "TOOL", any, everywhere, [](O& o) -> auto& { return o.tool; }, "tool in space: disc, disc:0.005, ball:0.004; of two tools one for each, as disc,ball:0.004",
+         "Default: the disc of the model. A model that was trained with discs of several radii accepts any disc between the smallest and the largest, and a ball whose contact at half depth of the ball is between those radii. The contact of a ball grows with its displacement; the device's position is the point of the ball that touches. Other tools are refused. Balls are refused for a model that relaxes; a session that learns accepts only the disc of the model. One tool is for every device of the session; a list separated by commas has one for each."},
         {"tools", "1", {1, most_tools, true, true}, tissuectl_serve | interfaces, [](O& o) -> auto& { return o.tools; }, "number of devices, each with its own tool",
          "Two tools need an energy model without the heuristic mesh. On the page of tissuectl serve two fingers move them, or one stays in the tissue while the other moves. tissue-haptic has --second-device. Both tools have the shape and size of option tool; map, friction, limits and properties of the device may be set for each. Tools nearer to each other than three radii share nodes of the lattice: this is not refused, and the error of the force is larger (RESULTS.md); below two radii it was not measured. Whether a device can render the tissue is checked for one tool alone: near the other tool the tissue is stiffer."},
         {"friction", "1", {0, inf, true, true}, everywhere | live, [](O& o) -> auto& { return o.friction.stick; }, "static friction coefficient between tool and tissue; inf: the tool never slips",

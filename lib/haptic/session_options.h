@@ -30,7 +30,7 @@ struct SessionOption {
     const char *name, *unit;
     Allowed allowed;
     unsigned where;
-    std::variant<Of<double>, Of<std::optional<double>>, Of<int>, Of<bool>, Of<std::string>, Of<SelectBy>, Of<ToolChoice>, Of<decltype(DeviceMap::axes)>, Of<Point>> field;
+    std::variant<Of<double>, Of<std::optional<double>>, Of<int>, Of<bool>, Of<std::string>, Of<SelectBy>, Of<ToolChoices>, Of<decltype(DeviceMap::axes)>, Of<Point>> field;
     std::string meaning, more;           ///< one line; further explanation
     const char* unset = "";              ///< effective default of a field that is empty by default
 

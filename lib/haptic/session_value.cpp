@@ -33,7 +33,7 @@ void Simulation::fields(StateBytes& state) noexcept {
     if (!state.reads()) return;
     place_surfaces();
     for (ToolState& t : tools_) {
-        if (t.touched >= 0 && model_.is_energy_model()) energy_models_[0]->contact(t.contact.where.facet, t.contact.where.weight, ToolSpring::Growth(t.spring.growth()), t.spring);
+        if (t.touched >= 0 && model_.is_energy_model()) contacts_of(t).at(t.contact.where.facet, t.contact.where.weight, ToolSpring::Growth(t.spring.growth()), t.spring);
         t.show_no_more(on_energy_model(t));
     }
 }
@@ -117,7 +117,7 @@ void Simulation::change(const HapticOptions& given, int tool) {
     }
     next.map.fit(model_.dimension());
     check_options(next);
-    if (std::isfinite(next.grasp_max_N)) model_.check_grasp();
+    if (std::isfinite(next.grasp_max_N)) model_.check_grasp(tool);
     for (const auto& mesh : model_.meshes) check_device(next.device, next.map, next.dt_s, *mesh);
     const FlushDenormals mode;
     t.friction.become(next.friction);
@@ -141,7 +141,7 @@ void Simulation::follow(const Simulation& from) {
         ToolState& t = of(k);
         const ToolState& theirs = from.of(k);
         HapticOptions options = theirs.options;
-        if (!model_.grasps) options.grasp_max_N = std::numeric_limits<double>::infinity();
+        if (!model_.grasps(k)) options.grasp_max_N = std::numeric_limits<double>::infinity();
         change(options, k);
         t.safety.go_on_from(theirs.safety);  // gives the limits of `theirs`, which the next line reads
         t.options.safety = t.safety.options();
@@ -216,7 +216,7 @@ void Simulation::take_over(const Simulation& from) noexcept {
     for (int k = 0; k < tool_count(); ++k) {
         ToolState& t = of(k);
         t.take_over(from.of(k), period_s_);
-        if (model_.grasps) t.options.grasp_max_N = from.of(k).options.grasp_max_N;
+        if (model_.grasps(k)) t.options.grasp_max_N = from.of(k).options.grasp_max_N;
         t.show_no_more(on_energy_model(t));
     }
 }

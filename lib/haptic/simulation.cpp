@@ -44,6 +44,8 @@ Simulation::Simulation(const HapticModel& model) : model_(model), due_s_(model.m
         tool_memory.back() = mesh->law->tool_memory(step_s);
     }
     tools_.assign(static_cast<std::size_t>(model.options.tools), ToolState(model.options, model.dimension(), tool_memory));
+    for (int k = 0; k < model.options.tools; ++k)
+        if (!model.grasps(k)) of(k).options.grasp_max_N = std::numeric_limits<double>::infinity();
     held_ = states_.front().displacement;
     place_surfaces();
 }
@@ -58,7 +60,7 @@ void Simulation::energy_model_changed() noexcept {
                 push_m[m] = static_cast<int>(m) == t.touched ? push_of(t, t.record.master_m, m)
                                                              : t.spring.push_at(-t.record.coupling_N, states_[m].displacement, &t.memory[m]);
         t.changed = t.spring;
-        energy_models_[0]->contact(t.contact.where.facet, t.contact.where.weight, t.changed.growth(), t.spring);
+        contacts_of(t).at(t.contact.where.facet, t.contact.where.weight, t.changed.growth(), t.spring);
         for (std::size_t m = 0; m < t.memory.size(); ++m)
             if (push_m[m].size() > 0) t.spring.take_over(t.changed, push_m[m], states_[m].displacement, t.memory[m]);
     }
@@ -214,7 +216,7 @@ void Simulation::begin_record(ToolState& t, const DeviceSample& sample, double s
 
 /// Begins a grasp where it was not asked for in the tick before, and the contact has a force of its own.
 void Simulation::begin_grasp(ToolState& t) noexcept {
-    if (!t.record.grasp || std::exchange(t.grasp_was_on, t.record.grasp) || !t.contact.pressing || !on_energy_model(t) || !model_.grasps) return;
+    if (!t.record.grasp || std::exchange(t.grasp_was_on, t.record.grasp) || !t.contact.pressing || !on_energy_model(t) || !model_.grasps(index_of(t))) return;
     t.grasps = true;
     t.friction.begin();
 }
@@ -298,7 +300,7 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
     for (ToolState& t : tools_) {
         t.record.grasped = t.grasps;
         // above the device's limit the force on the tissue grows no more
-        const bool too_much = std::isfinite(t.options.grasp_max_N) && held_back(static_cast<int>(&t - tools_.data()));
+        const bool too_much = std::isfinite(t.options.grasp_max_N) && held_back(index_of(t));
         if (!t.grasps || !(too_much || t.record.coupling_N.norm() > t.options.grasp_max_N)) continue;
         t.grasps = false;
         ++t.let_go;
@@ -325,7 +327,7 @@ void Simulation::stop(ToolState& t) noexcept {
 Eigen::Vector3d Simulation::force_out(ToolState& t, double since_s) noexcept {
     const TickStatus status = t.record.status;
     if (status != TickStatus::done && status != TickStatus::not_armed) return t.record.device_N = t.safety.stop();
-    if (model_.is_energy_model()) t.record.contact_displacement_m = displacement_at_contact(0, static_cast<int>(&t - tools_.data()));
+    if (model_.is_energy_model()) t.record.contact_displacement_m = displacement_at_contact(0, index_of(t));
     if (t.untouched_s > swings_out_s && t.safety.force_N().isZero(0)) t.safety.forget_credit();
     if (!t.armed) return t.record.device_N = t.safety.stop();
     Eigen::Vector3d wanted = t.options.map.force_to_device(t.record.coupling_N);

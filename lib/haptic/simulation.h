@@ -41,13 +41,14 @@ struct HapticMesh {
 /// Everything that is the same in every tick. Any number of sessions may use it, in any threads.
 struct HapticModel {
     /// Throws MismatchError as check_options(), for options without effect on this model, such as those of spring sets
-    /// on an energy model, and for tissue that is too stiff for the device.
+    /// on an energy model, as with_tool() (springs/energy_model_at_radius.h) for a tool that it refuses, and for tissue
+    /// that is too stiff for the device.
     HapticModel(const TissueModel& model, const HapticOptions& options);
     HapticModel(const HapticModel&) = delete;
     HapticModel& operator=(const HapticModel&) = delete;
 
     std::string study;
-    ToolChoice tool;                                  ///< of an energy model in space, with its radius; else radius 0
+    ToolChoices tools;                                ///< of each tool; in space with its radius, else radius 0
     HapticOptions options;
     std::vector<std::string> set_names;
     std::vector<std::unique_ptr<HapticMesh>> meshes;  ///< the learned one first
@@ -59,17 +60,20 @@ struct HapticModel {
     FreeSurface surface;                              ///< at rest
     SpringMesh rest;                                  ///< nodes and boundary of each mesh, at rest
 
-    /// Whether a tool may grasp: an energy model in the plane, or one under a disc whose contact was trained to be pulled
-    /// (ContactCurve::compression); others have no convex energy there.
-    bool grasps = false;
+    bool may_be_pulled = false;  ///< energy model in the plane, or one whose disc was trained to be pulled (ContactCurve::compression)
+    /// Whether a tool may grasp: a disc or patch, on such a model; others have no convex energy there.
+    bool grasps(int tool = 0) const noexcept { return may_be_pulled && tools[static_cast<std::size_t>(tool)].shape == ToolChoice::Shape::disc; }
     /// Throws MismatchError where it may not, with the causes.
-    void check_grasp() const;
+    void check_grasp(int tool = 0) const;
 
     std::uint64_t fingerprint = 0;                    ///< hash of everything that a session's state depends on
 
     bool is_energy_model() const { return meshes.front()->law != nullptr; }
     int dimension() const { return rest.dimension(); }
     bool is_solid() const { return rest.is_solid(); }
+
+   private:
+    HapticModel(const std::vector<TissueModel>& of_tool, const HapticOptions& options);
 };
 
 /// Checks that the device can show a mesh: its static stiffness, and the stiffness of a contact. Both are compared in
@@ -221,6 +225,8 @@ class Simulation {
    private:
     ToolState& of(int tool) { return tools_[static_cast<std::size_t>(tool)]; }
     const ToolState& of(int tool) const { return tools_[static_cast<std::size_t>(tool)]; }
+    int index_of(const ToolState& t) const noexcept { return static_cast<int>(&t - tools_.data()); }
+    const ToolContact& contacts_of(const ToolState& t) const noexcept { return energy_models_[0]->contacts(index_of(t)); }
     void advance(const DeviceSample* samples, Eigen::Vector3d* force_N, double elapsed_s, double cost_s) noexcept;
     void begin_grasp(ToolState& t) noexcept;
     bool may_slip(const ToolState& t) const noexcept { return t.friction.finite() && !t.grasps; }

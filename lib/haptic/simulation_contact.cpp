@@ -74,7 +74,7 @@ void Simulation::begin_contact(ToolState& t, int mesh) noexcept {
 
 /// Sets the energy model's contact at the tool's place, for that tool displacement.
 void Simulation::lay_tool(ToolState& t, const Point& push_m) noexcept {
-    if (model_.is_energy_model()) energy_models_[0]->contact(t.contact.where.facet, t.contact.where.weight, push_m, states_[static_cast<std::size_t>(t.touched)].displacement, t.spring);
+    if (model_.is_energy_model()) contacts_of(t).at(t.contact.where.facet, t.contact.where.weight, push_m, states_[static_cast<std::size_t>(t.touched)].displacement, t.spring);
 }
 
 /// Whether the tool at tool_m pushes into the energy model's tissue: its force has a positive part along the inward
@@ -105,14 +105,14 @@ void Simulation::hold_tool(ToolState& t) noexcept {
     const auto m = static_cast<std::size_t>(t.touched);
     const MovingSurface& surface = *surfaces_[m];
     const Point& master_m = t.record.master_m;
-    if (energy_models_[0]->contact_grows()) lay_tool(t, t.spring.shown_push(push_of(t, end_of(t), m), states_[m].displacement));
+    if (contacts_of(t).grows()) lay_tool(t, t.spring.shown_push(push_of(t, end_of(t), m), states_[m].displacement));
     t.contact.pressing = tool_pushes(t, end_of(t));
     // of the tool for which the contact was set
     const Point inward = t.spring.inward(), placed = push_of(t, t.at_m, m);
     const double in_m = push_of(t, master_m, m).dot(inward), swing_s = 1 / std::max(model_.meshes[m]->lowest_frequency_Hz, 1.0);
     const bool waits = !t.contact.pressing && period_s_ > 1.5 * model_.options.dt_s && t.untouched_s < swing_s && in_m > (placed - placed.dot(inward) * inward).norm();
     if (!t.grasps && !surface.contains(master_m) &&
-        ((!t.contact.pressing && !waits) || surface.nearest(master_m).distance_m > energy_models_[m]->spacing_m())) {
+        ((!t.contact.pressing && !waits) || surface.nearest(master_m).distance_m > contacts_of(t).spacing_m())) {
         t.contact.contact = t.contact.pressing = false;
         t.contact.proxy_m = master_m;
         return;
@@ -165,7 +165,7 @@ void Simulation::seen(std::size_t mesh, NodeColumns& displacement_m) const noexc
     displacement_m = states_[mesh].displacement;
     if (!energy_models_[mesh]) return;
     for (int k = 0; k < tool_count(); ++k)
-        if (const TickRecord& r = record(k); r.mesh >= 0) energy_models_[mesh]->show_skin(r.facet, {r.weight[0], r.weight[1], r.weight[2]}, displacement_at_contact(mesh, k), displacement_m);
+        if (const TickRecord& r = record(k); r.mesh >= 0) energy_models_[mesh]->contacts(k).show_skin(r.facet, {r.weight[0], r.weight[1], r.weight[2]}, displacement_at_contact(mesh, k), displacement_m);
 }
 
 }  // namespace tissue

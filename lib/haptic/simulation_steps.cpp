@@ -40,7 +40,7 @@ Simulation::Slip Simulation::slide(ToolState& t) noexcept {
     slip.went_on = t.friction.slipping();
     if (mesh.law) {
         slip.slid_m = -t.touched_m;
-        slip.drags = t.friction.slide(model_.surface, mesh.springs, *energy_models_[0], states_[m].displacement, t.at_m - mesh.place_m, t.contact.where, t.touched_m, t.spring,
+        slip.drags = t.friction.slide(model_.surface, mesh.springs, contacts_of(t), states_[m].displacement, t.at_m - mesh.place_m, t.contact.where, t.touched_m, t.spring,
                                       t.memory[m], t.memory.size() > 1 ? &t.memory[1 - m] : nullptr);
         slip.slid_m += t.touched_m;
         t.contact.where.position_m = now.at(t.contact.where.facet, t.contact.where.weight);

@@ -10,6 +10,8 @@ HapticOptions alone(HapticOptions options, const TissueModel& truth) {
     options.heuristic_mesh = false;
     options.stiffest = 1;
     options.energy_book = false;
+    options.tools = 1;
+    options.tool.resize(1);
     options.device = {};  // no device gets its force
     options.safety.force_max_N = 1e3;
     if (truth.energy_model) options.innovation.reset(), options.coupling_ratio.reset();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "error.h"
@@ -36,5 +37,25 @@ ToolChoice tool_choice(const std::string& text) {
 }
 
 std::string to_string(const ToolChoice& tool) { return tool.radius_m == 0 ? to_string(tool.shape) : fmt::format("{}:{}", to_string(tool.shape), tool.radius_m); }
+
+ToolChoices tool_choices(const std::string& text) {
+    ToolChoices tools;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        tools.push_back(tool_choice(text.substr(begin, end - begin)));
+        begin = end + 1;
+    }
+    return tools;
+}
+
+std::string to_string(const ToolChoices& tools) {
+    std::string text;
+    for (const ToolChoice& tool : tools) text += (text.empty() ? "" : ",") + to_string(tool);
+    return text;
+}
+
+bool all_default(const ToolChoices& tools) {
+    return std::all_of(tools.begin(), tools.end(), [](const ToolChoice& tool) { return tool.is_default(); });
+}
 
 }  // namespace tissue

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 namespace tissue {
 
@@ -20,5 +22,14 @@ const char* to_string(ToolChoice::Shape shape);
 /// Throws MismatchError for any other text, a radius outside (0, 1) m, and a ball without radius.
 ToolChoice tool_choice(const std::string& text);
 std::string to_string(const ToolChoice& tool);  ///< inverse of tool_choice()
+
+/// Tools of a session: one for each of its devices, or one for all.
+using ToolChoices = std::vector<ToolChoice>;
+/// Parses a list "disc:7mm,ball:4mm". Throws as tool_choice().
+ToolChoices tool_choices(const std::string& text);
+std::string to_string(const ToolChoices& tools);  ///< inverse of tool_choices()
+/// The tool of one device, from a list that is not empty.
+inline const ToolChoice& choice_of(const ToolChoices& tools, std::size_t device) { return tools[device < tools.size() ? device : 0]; }
+bool all_default(const ToolChoices& tools);
 
 }  // namespace tissue

@@ -24,7 +24,7 @@ const Eigen::Vector3d place(0.021, 0.033, 0.02), inward(0, 0, -1);
 HapticOptions with_ball(double radius_m) {
     HapticOptions options;
     options.heuristic_mesh = false;
-    options.tool = {ToolChoice::Shape::ball, radius_m};
+    options.tool = {{ToolChoice::Shape::ball, radius_m}};
     options.safety.force_max_N = 100;
     options.safety.slew_N_s = 1e6;
     return options;
@@ -34,7 +34,7 @@ struct Ball {
     HapticOptions options;
     TissueModel own = several_discs(), tissue;
     HapticModel model;
-    explicit Ball(double radius_m, const HapticOptions& given) : options(given), tissue(with_tool(own, options.tool)), model(tissue, options) { REQUIRE(options.tool.radius_m == radius_m); }
+    explicit Ball(double radius_m, const HapticOptions& given) : options(given), tissue(with_tool(own, options.tool[0])), model(own, options) { REQUIRE(model.tools[0].radius_m == radius_m); }
     explicit Ball(double radius_m) : Ball(radius_m, with_ball(radius_m)) {}
 };
 
@@ -312,17 +312,18 @@ TEST_CASE("a tool is parsed as shape and radius and a model refuses a tool that 
     relaxing.energy_model->relaxation.tau_s = Eigen::VectorXd::Constant(1, 0.5);
     CHECK_THAT(refused(relaxing, "ball:5mm"), Contains("relaxes"));
     const HapticOptions options = with_ball(0.005);
-    const TissueModel of_ball = with_tool(model, options.tool);
+    const TissueModel of_ball = with_tool(model, options.tool[0]);
     Adaptation adaptation(model);
     HapticOptions of_disc = options;
-    of_disc.tool = {};
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(of_ball, of_disc); }), Contains("tool disc") && Contains("was not prepared for this tool"));
-    const HapticModel plays(of_ball, options);
-    CHECK_THAT(refusal<MismatchError>([&] { Learner(plays, adaptation); }), Contains("not with a ball"));
-    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, options); }), Contains("tool ball:0.005") && Contains("was not prepared for this tool"));
-    CHECK(HapticModel(with_tool(model, options.tool), options).fingerprint != HapticModel(with_tool(model, tool_choice("disc:5mm")), [] {
-        HapticOptions disc = with_ball(0.005);
-        disc.tool = tool_choice("disc:5mm");
-        return disc;
-    }()).fingerprint);
+    of_disc.tool = {tool_choice("disc:5mm")};
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(of_ball, options); }), Contains("has prepared for a ball"));
+    const HapticModel ball(model, options);
+    CHECK_THAT(refusal<MismatchError>([&] { Learner(ball, adaptation); }), Contains("not with another tool"));
+    CHECK(ball.fingerprint != HapticModel(model, of_disc).fingerprint);
+
+    CHECK(tool_choices("disc:7mm,ball:4mm") == ToolChoices{tool_choice("disc:7mm"), tool_choice("ball:4mm")});
+    CHECK(tool_choices(to_string(tool_choices("disc,ball:4mm"))) == tool_choices("disc,ball:4mm"));
+    for (const char* text : {"disc,", ",disc", "disc,,disc"}) CHECK_THAT(refusal<MismatchError>([&] { tool_choices(text); }), Contains("tool ''"));
+    of_disc.tool = tool_choices("disc,ball:5mm");
+    CHECK_THAT(refusal<MismatchError>([&] { HapticModel(model, of_disc); }), Contains("tool names 2 tools, and tools is 1"));
 }

@@ -163,7 +163,7 @@ TEST_CASE("a sliding contact on tissue that relaxes keeps the state of its Maxwe
     const Point from_m = touched_m, push_m = Eigen::Vector3d(0, 0, -0.004);
     const NodeColumns& u = drag.s.state(0).displacement;
     ToolSpring tool;
-    mesh.law->contact(where.facet, where.weight, {}, tool);
+    mesh.law->contacts().at(where.facet, where.weight, {}, tool);
     ToolMemory memory = mesh.law->tool_memory(1e-3);
     ToolMemory beside = memory;
     for (int k = 0; k < 50; ++k) {
@@ -172,7 +172,7 @@ TEST_CASE("a sliding contact on tissue that relaxes keeps the state of its Maxwe
     }
     const ToolMemory before = memory, beside_before = beside;
     Friction friction(FrictionOptions{0.3, {}});
-    friction.slide(drag.model.surface, mesh.springs, *mesh.law, u, from_m + push_m + Eigen::Vector3d(0.02, 0, 0), where, touched_m, tool, memory, &beside);
+    friction.slide(drag.model.surface, mesh.springs, mesh.law->contacts(), u, from_m + push_m + Eigen::Vector3d(0.02, 0, 0), where, touched_m, tool, memory, &beside);
     REQUIRE(friction.slipping());
     REQUIRE((touched_m - from_m).norm() > 0.004);
     for (int g = 0; g < tool.group_count(); ++g) {

@@ -148,7 +148,7 @@ TEST_CASE("trained curvature range and correction of a contact apply in evaluati
     const RealtimeMesh springs = springs_of(model);
     const RealtimeEnergyModel law(model, springs);
     ToolSpring tool;
-    law.contact(facet, weight, {}, tool);
+    law.contacts().at(facet, weight, {}, tool);
     const ContactSpring trained(make_contact_kernel(mesh, *model.energy_model)->rows_at(at.point_m), model.energy_model->patch);
     const NodeColumns rest = NodeColumns::Zero(mesh.node_count(), 3);
     CHECK(tool.energy_J(push, rest) == Approx(trained.load(push, Eigen::VectorXd::Zero(trained.rows.pull.cols())).energy_J).epsilon(1e-9));

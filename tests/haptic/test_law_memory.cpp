@@ -141,8 +141,8 @@ TEST_CASE("an energy model that relaxes equals its instantaneous model after 1 n
         CHECK(law.energy(u, memory) == Approx(rest.energy(u)).epsilon(1e-9));
         // the contact likewise
         ToolSpring tool, left;
-        law.contact(0, Eigen::Vector3d(0.5, 0.5, 0), {}, tool);
-        rest.contact(0, Eigen::Vector3d(0.5, 0.5, 0), {}, left);
+        law.contacts().at(0, Eigen::Vector3d(0.5, 0.5, 0), {}, tool);
+        rest.contacts().at(0, Eigen::Vector3d(0.5, 0.5, 0), {}, left);
         ToolMemory of_tool = law.tool_memory(1);
         Point push = 0.002 * tool.inward();
         push[0] += 0.001;
@@ -191,7 +191,7 @@ TEST_CASE("tissue that relaxes returns at most the hand's work plus the sampled 
             if ((held.springs.rest_place(static_cast<int>(b), Eigen::Vector3d::Constant(1.0 / 3)) - place.point_m).norm() <
                 (held.springs.rest_place(static_cast<int>(facet), Eigen::Vector3d::Constant(1.0 / 3)) - place.point_m).norm())
                 facet = b;
-        held.law.contact(static_cast<int>(facet), solid ? Eigen::Vector3d(0.3, 0.3, 0.4) : Eigen::Vector3d(0.4, 0.6, 0), {}, held.tool);
+        held.law.contacts().at(static_cast<int>(facet), solid ? Eigen::Vector3d(0.3, 0.3, 0.4) : Eigen::Vector3d(0.4, 0.6, 0), {}, held.tool);
         const Point inward = held.tool.inward();
         Point across = Point::Zero(inward.size());
         across[0] = 1;

@@ -114,8 +114,8 @@ TEST_CASE("an energy model with replaced stiffness has the forces of one made wi
         wanted.force(u, g, scratch);
         CHECK((f - g).norm() < 1e-12 * g.norm());
         ToolSpring a, b;
-        law.contact(3, Eigen::Vector3d::Constant(1.0 / 3), {}, a);
-        wanted.contact(3, Eigen::Vector3d::Constant(1.0 / 3), {}, b);
+        law.contacts().at(3, Eigen::Vector3d::Constant(1.0 / 3), {}, a);
+        wanted.contacts().at(3, Eigen::Vector3d::Constant(1.0 / 3), {}, b);
         const Point push = Point::Constant(model.mesh.dimension(), 1e-3);
         CHECK((a.tool_force_N(push, u) - b.tool_force_N(push, u)).norm() < 1e-12 * b.tool_force_N(push, u).norm());
     }

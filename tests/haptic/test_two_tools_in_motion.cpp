@@ -2,12 +2,14 @@
 // state.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "../allocations.h"
 #include "../mesh/embedded_block.h"
 #include "../refusal.h"
 #include "../solid_law_example.h"
+#include "../springs/several_discs.h"
 #include "haptic/energy_model_spectrum.h"
 #include "haptic/session_options.h"
 #include "haptic/simulation.h"
@@ -443,6 +445,79 @@ TEST_CASE("a restored state saves equal bytes even where more energy was given t
     s.restore(bytes.data(), bytes.size());
     s.save(again.data());
     CHECK(bytes == again);
+}
+
+TEST_CASE("each of two tools of different shape and size has the force of its own contact", "[simulation][solid][two]") {
+    const TissueModel tissue = several_discs();
+    const auto model_of = [&](const char* tool, int tools) {
+        HapticOptions options = of_tools(tools);
+        options.tool = tool_choices(tool);
+        options.safety.force_max_N = options.device.force_max_N = 100;
+        return std::make_unique<HapticModel>(tissue, options);
+    };
+    const auto both = model_of("disc:5mm,ball:8mm", 2), swapped = model_of("ball:8mm,disc:5mm", 2);
+    CHECK(both->tools == tool_choices("disc:5mm,ball:8mm"));
+    CHECK(both->fingerprint != swapped->fingerprint);
+    CHECK(both->meshes[0]->substeps == swapped->meshes[0]->substeps);
+    const Eigen::Vector3d at_m[2] = {{0.015, 0.021, 0.02}, {0.035, 0.042, 0.02}}, above(0, 0, 0.002), push(0.0003, 0, -0.002);
+
+    // One of them alone has the force of a session of that tool.
+    for (int t : {0, 1}) {
+        const auto own = model_of(t == 0 ? "disc:5mm" : "ball:8mm", 1), wrong = model_of(t == 0 ? "ball:8mm" : "disc:5mm", 1);
+        Simulation two(*both), one(*own), other(*wrong);
+        Hands hands{two};
+        const auto at = [&](double share) { return Eigen::Vector3d(at_m[t] + (1 - share) * above + share * push); };
+        hands.at_m[1 - t] = at_m[1 - t] + 5 * above;
+        Eigen::Vector3d alone_N, wrong_N;
+        for (int k = 0; k < 1500; ++k) {
+            hands.at_m[t] = at(std::min(1.0, k / 300.0));
+            hands.tick();
+            alone_N = one.tick(sample_at(hands.at_m[t]));
+            wrong_N = other.tick(sample_at(hands.at_m[t]));
+        }
+        REQUIRE(alone_N.norm() > 0.02);
+        CHECK(hands.force_N[1 - t].isZero(0));
+        CHECK((hands.force_N[t] - alone_N).norm() < 1e-3 * alone_N.norm());
+        CHECK((wrong_N - alone_N).norm() > 0.1 * alone_N.norm());
+    }
+
+    // Both at once: the order of the tools has no effect, and each feels the other.
+    Simulation first(*both), second(*swapped);
+    Hands hands{first}, crossed{second};
+    hands.at_m[0] = crossed.at_m[1] = at_m[0] + above;
+    hands.at_m[1] = crossed.at_m[0] = at_m[1] + above;
+    hands.to(at_m[0] + push, at_m[1] + push, 300, 1200);
+    crossed.to(at_m[1] + push, at_m[0] + push, 300, 1200);
+    for (int t : {0, 1}) {
+        REQUIRE(hands.force_N[t].norm() > 0.02);
+        CHECK((hands.force_N[t] - crossed.force_N[1 - t]).norm() < 1e-6 * hands.force_N[t].norm());
+    }
+    CHECK(first.tool(0).growth().radius_m == 0);
+    CHECK(first.tool(1).growth().radius_m > 0.001);  // the ball's contact
+
+    // A state is that of these tools in this order.
+    std::vector<std::byte> bytes(first.state_size());
+    first.save(bytes.data());
+    Simulation again(*both), wrong(*swapped);
+    again.restore(bytes.data(), bytes.size());
+    Hands later{again};
+    later.at_m[0] = hands.at_m[0];
+    later.at_m[1] = hands.at_m[1];
+    for (int k = 0; k < 20; ++k) {
+        hands.tick();
+        later.tick();
+        for (int t : {0, 1}) CHECK(hands.force_N[t] == later.force_N[t]);
+    }
+    CHECK_THROWS_AS(wrong.restore(bytes.data(), bytes.size()), MismatchError);
+    // The contacts of another session of unlike tools are taken over.
+    Simulation next(*both);
+    next.follow(first);
+    next.take_over(first);
+    Hands taken{next};
+    taken.at_m[0] = hands.at_m[0];
+    taken.at_m[1] = hands.at_m[1];
+    for (int k = 0; k < 1500; ++k) taken.tick();
+    for (int t : {0, 1}) CHECK((taken.force_N[t] - hands.force_N[t]).norm() < 0.02 * hands.force_N[t].norm());
 }
 
 TEST_CASE("two tools require an energy model and no second mesh", "[simulation][two]") {

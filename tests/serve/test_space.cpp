@@ -185,7 +185,7 @@ TEST_CASE("the model message of a solid has only its surface nodes with their fa
     const SpringMesh& mesh = s.tissue.mesh;
     REQUIRE(s.scene->shown().size() == 75 - 9);   // 5 x 5 x 3 nodes, of which 3 x 3 x 1 lie inside
     const Json j = Json::parse(s.scene->message({"solid"}, 0));
-    CHECK((j["dimension"] == 3 && j["node_count"] == mesh.node_count() && j["spring_count"] == mesh.spring_count() && j["tool"] == Json({{"shape", "disc"}, {"radius_m", 0.012}})));
+    CHECK((j["dimension"] == 3 && j["node_count"] == mesh.node_count() && j["spring_count"] == mesh.spring_count() && j["tool"] == Json::array({{{"shape", "disc"}, {"radius_m", 0.012}}})));
     const Json& learned = j["meshes"][0];
     CHECK((learned.count("springs") == 0 && learned["nodes_m"].size() == 66 && learned["fixed"].size() == 25));
     REQUIRE(learned["facets"].size() == static_cast<std::size_t>(mesh.facets.rows()));

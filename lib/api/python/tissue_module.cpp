@@ -477,8 +477,9 @@ ticks() between two ticks, press() between two contacts and next() between two i
                  const HapticOptions options = with(interface_options(), options_of(given));
                  const py::gil_scoped_release others_may;
                  check_options(options);  // before the model is built with them
-                 if (!options.tool.is_default()) model = std::make_shared<TissueModel>(with_tool(*model, options.tool));
-                 return std::make_unique<Session>(model, std::make_shared<HapticModel>(*model, options), NamedSurfaces(*model));
+                 const auto haptic = std::make_shared<HapticModel>(*model, options);
+                 if (!all_default(options.tool)) model = std::make_shared<TissueModel>(with_tool(*model, options.tool[0]));
+                 return std::make_unique<Session>(model, haptic, NamedSurfaces(*model));
              }),
              py::arg("model").none(false),
              options_text().c_str())
@@ -504,7 +505,7 @@ ticks() between two ticks, press() between two contacts and next() between two i
              "Sets options that may change while it runs, by name, and before the first tick limits of the device (force_max, ..). After a change that moves the tool by more than a hand does in a tick there is no force until the tool has been outside once.")
         .def("clutch", [](Session& s, bool on) { alone(s, [&] { s.simulation.clutch(on, s.tool()); }); }, py::arg("on").noconvert(), "On: the hand moves and the tool stays, without force. Off: the tool continues from its place.")
         .def("grasp", [](Session& s, bool on) { alone(s, [&] {
-                 if (on) s.simulation.model().check_grasp();
+                 if (on) s.simulation.model().check_grasp(s.tool());
                  s.simulation.grasp(on, s.tool());
              }); }, py::arg("on").noconvert(), "On: the tissue that the tool touches in the next tick follows it in every direction, without slip, until this is off or the force exceeds grasp_max. For an energy model whose contact was trained to be pulled, or in the plane.")
         .def_property("state", &state_of, &restore, "The state of the session as bytes; a session of the same model and options that is given these bytes continues identically, bit for bit.")
@@ -548,7 +549,7 @@ ticks() between two ticks, press() between two contacts and next() between two i
         .def_property_readonly("limits", &limits_of, "number of ticks in which the force was limited: clamped, slewed, damped, capped, late (the device had released its force); and lost_s, time that passed and was not simulated")
         .def_property_readonly("energies_J", &energies_of, "the energy log: given (injected at the device port since the start; below 0: taken from the hand), observed and bound (of the passivity observer), kinetic (of the tissue), friction (dissipated), "
                                "and with energy_book=True stored and dissipated in the Maxwell branches of a tissue that relaxes")
-        .def_property_readonly("model", [](const Session& s) { return std::const_pointer_cast<TissueModel>(s.tissue); }, "the model that is simulated");
+        .def_property_readonly("model", [](const Session& s) { return std::const_pointer_cast<TissueModel>(s.tissue); }, "the model that is simulated; with two different tools, that of the first");
 
     py::class_<TargetAdaptation>(m, "Adaptation", "Adaptation of an energy model to force measurements of a target tissue, as in tissuectl adapt.")
         .def(py::init([](const File& file, const std::string& unknowns, double force_noise, double model_error, double place_error_m, bool rival) {
