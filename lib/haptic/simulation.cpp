@@ -385,6 +385,9 @@ void Simulation::place_surfaces() noexcept {
     }
 }
 
+/// Time in which damping leaves e^-5 of any oscillation of an untouched mesh, and relaxation e^-10 of any displacement.
+double Simulation::settled_s(const HapticMesh& mesh) noexcept { return 10 / mesh.damping_1_s + (mesh.law ? 10 * mesh.law->slowest_s() : 0); }
+
 /// Energy models and springs that turn have equilibria other than rest: tissue that was drawn through itself stays
 /// inverted. True where nothing has touched a mesh for so long that damping has left e^-5 of any oscillation, and a
 /// displacement is still above a tenth of the nodes' spacing.
@@ -393,8 +396,7 @@ bool Simulation::come_to_rest_elsewhere() const noexcept {
     for (std::size_t m = 0; m < states_.size(); ++m) {
         const HapticMesh& mesh = *model_.meshes[m];
         if (!mesh.law && mesh.springs.law().linear_in_displacement()) continue;
-        const double settled_s = 10 / mesh.damping_1_s + (mesh.law ? 10 * mesh.law->slowest_s() : 0);
-        if (untouched_s > settled_s && states_[m].displacement.cwiseAbs().maxCoeff() > 0.1 * model_.surface.spacing_m()) return true;
+        if (untouched_s > settled_s(mesh) && states_[m].displacement.cwiseAbs().maxCoeff() > 0.1 * model_.surface.spacing_m()) return true;
     }
     return false;
 }

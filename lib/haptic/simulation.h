@@ -251,6 +251,7 @@ class Simulation {
     bool is_folded(const ToolState& t) const noexcept;
     void stop(ToolState& t) noexcept;
     void rest_meshes() noexcept;
+    static double settled_s(const HapticMesh& mesh) noexcept;
     bool come_to_rest_elsewhere() const noexcept;
     bool put_to_rest() noexcept;
     bool find_contact(ToolState& t) noexcept;
