@@ -25,7 +25,9 @@
 #include "command.h"
 #include "error.h"
 #include "generate.h"
+#include "haptic/device_error.h"
 #include "haptic/device_kinds.h"
+#include "haptic/haply_device.h"
 #include "haptic/target_tissue.h"
 #include "haptic/learner.h"
 #include "haptic/realtime_loop.h"
@@ -216,6 +218,10 @@ void run(const Options& o, Provenance provenance) {
     end.then([&] {
         if (journal) journal->close();
     });
+    for (const Device* device : devices)
+        end.then([&] {
+            if (const std::string why = device->failure(); !why.empty()) throw DeviceError(why);
+        });
     for (const std::string& notice : report.notices) std::cerr << "tissue-haptic: " << notice << '\n';
     const std::string model_file = std::filesystem::path(o.model).filename().string();
     const long long dropped = recorder ? recorder->dropped() : 0;
@@ -281,6 +287,9 @@ void finish(Options& o, const CLI::App& app) {
     const auto port = [&](int t) { return o.device[t].kind == RemoteDevice::kind.name ? std::stoi(o.device[t].values.at("port")) : 0; };
     if (o.tools() > 1 && port(0) != 0 && port(0) == port(1))
         throw CLI::ValidationError("--second-port", "is the port of the first device: give each device its own port");
+    const auto haply = [&](int t) { return o.device[t].kind == HaplyDevice::kind.name; };
+    if (o.tools() > 1 && haply(0) && haply(1) && o.device[0].values.at("haply-device-id") == o.device[1].values.at("haply-device-id"))
+        throw CLI::ValidationError("--second-haply-device-id", "names the first device again: name each device by its own id, the first by --haply-device-id");
     if (!o.seconds) o.seconds = ends ? device_kinds().at(o.device[0].kind)->seconds : 0;
     o.choices.press_with(o.tools());
     cli::check(o.choices);

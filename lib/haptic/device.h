@@ -51,6 +51,10 @@ class Device {
     /// any number of times.
     virtual void stop() noexcept {}
 
+    /// Why no more positions come although a session was to go on, in one line; "" where nothing has failed. May be
+    /// called while finished() is true, and after stop().
+    virtual std::string failure() const { return ""; }
+
     /// The device's own counts and figures, for session statistics: name and value.
     virtual std::vector<std::pair<std::string, double>> statistics() const { return {}; }
 };

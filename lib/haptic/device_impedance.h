@@ -23,6 +23,13 @@ struct DeviceImpedance {
 /// from a position goes out together with the next position, which is a delay of 1 ms.
 inline constexpr DeviceImpedance touch_impedance{"Touch", 0.045, 0, 1020, 3.3, 1000, 1e-3};
 
+/// Haply's Inverse3 and Minverse, the stricter of the two, since which one is there is known too late. Published for the
+/// Inverse3: 10 N and 1000 N/m, in Haply's fork of CHAI3D (src/devices/CHaplyDevices.cpp), which calls such figures
+/// estimates; stiffness up to 800 N/m in the "Basic Force-Feedback Tutorial" of docs.haply.co. Nothing was found for the
+/// Minverse, nor an apparent mass or damping of either. Chosen with care, not measured: 3 N, 800 N/m, 20 g (less than
+/// half of a Touch), no damping, 1 kHz. The delay is right where an exchange takes at most 1 ms; statistics count others.
+inline constexpr DeviceImpedance haply_impedance{"Inverse3 or Minverse", 0.020, 0, 800, 3, 1000, 1e-3};
+
 /// Combines properties given by a user (`said`) with those of a known device: the user's mass and damping where they
 /// are given (not 0), the lower of two limits or rates, the longer of two delays, and the known device's name.
 DeviceImpedance stricter(DeviceImpedance said, const DeviceImpedance& known);

@@ -497,6 +497,7 @@ TEST_CASE("two devices of tissue-haptic have their own tools and options and sta
     CHECK(refused(" --second-device virtual --second-passivity maybe", 2).find("--second-passivity: passivity must be one of yes, no") != std::string::npos);
     CHECK(refused(" --device remote --second-device remote", 2).find("--second-port") != std::string::npos);
     CHECK(refused(" --device remote --port 5000 --second-device remote --second-port 05000", 2).find("--second-port") != std::string::npos);
+    CHECK(refused(" --device haply --second-device haply", 2).find("--second-haply-device-id") != std::string::npos);
     CHECK(refused(" --motion poke --aside 0.01", 1).find("--aside has no effect") != std::string::npos);
     CHECK(refused(" --aside 0.06", 1).find("aside must be within 0.05 m") != std::string::npos);
     CHECK(refused(" --second-device virtual --learn l.h5", 2).find("--second-device") != std::string::npos);

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-// Short names for Boost. Only this folder depends on Boost.
+// Short names for Boost. Of the programs only this folder depends on Boost; in lib, haptic/haply_device.cpp uses Beast too.
 namespace tissue::serve {
 
 namespace asio = boost::asio;
