@@ -51,6 +51,9 @@ class Device {
     /// any number of times.
     virtual void stop() noexcept {}
 
+    /// The last error since start() that the device or its vendor's library reported, as text; "": none.
+    virtual std::string fault() const { return ""; }
+
     /// The device's own counts and figures, for session statistics: name and value.
     virtual std::vector<std::pair<std::string, double>> statistics() const { return {}; }
 };

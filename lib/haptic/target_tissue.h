@@ -26,6 +26,7 @@ class TargetTissue final : public Device {
     void write(const Eigen::Vector3d& force_N) noexcept override { hand_->write(force_N); }
     bool finished() const noexcept override { return hand_->finished(); }
     void stop() noexcept override { hand_->stop(); }
+    std::string fault() const override { return hand_->fault(); }
     std::vector<std::pair<std::string, double>> statistics() const override { return hand_->statistics(); }
 
    private:

@@ -3,6 +3,7 @@
 
 #include "../refusal.h"
 #include "error.h"
+#include "haptic/device_error.h"
 #include "haptic/device_kinds.h"
 #include "haptic/virtual_device.h"
 
@@ -21,7 +22,7 @@ TEST_CASE("every kind of device has a unique name and unique options with valid 
             if (option.wrong) CHECK_FALSE(option.wrong("nonsense").empty());
         }
     }
-    CHECK(device_kinds().names() == std::vector<std::string>{"virtual", "replay", "remote", "openhaptics"});
+    CHECK(device_kinds().names() == std::vector<std::string>{"virtual", "replay", "remote", "openhaptics", "force-dimension"});
 }
 
 TEST_CASE("a device is made from its name with initial values for options that are not given", "[device]") {
@@ -32,9 +33,12 @@ TEST_CASE("a device is made from its name with initial values for options that a
     CHECK(device->name() == "virtual");
     for (double t : {0.0, 0.3, 0.9, 2.0}) CHECK(device->read(t).position_m == again->read(t).position_m);
     CHECK(make_device("remote", {{"port", "0"}}, context)->name() == "remote");
-    CHECK(refusal<MismatchError>([&] { make_device("mouse", {}, context); }).find("virtual, replay, remote, openhaptics") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { make_device("mouse", {}, context); }).find("virtual, replay, remote, openhaptics, force-dimension") != std::string::npos);
     CHECK(refusal<MismatchError>([&] { make_device("replay", {}, context); }).find("--trajectory FILE") != std::string::npos);
     CHECK(refusal<MismatchError>([&] { make_device("virtual", {{"motion", "stab"}}, context); }).find("press, slide, poke, probe, sine") != std::string::npos);
     for (const char* depth : {"", "0", "-1", "nan", "inf", "1 mm"}) refusal<MismatchError>([&] { make_device("virtual", {{"depth", depth}}, context); });
+    for (const char* id : {"", "-1", "32", "first"}) refusal<MismatchError>([&] { make_device("force-dimension", {{"device-id", id}}, context); });
+    for (const char* home : {"", "1", "YES"}) refusal<MismatchError>([&] { make_device("force-dimension", {{"home", home}}, context); });
+    CHECK(refusal<DeviceError>([&] { make_device("force-dimension", {{"drd-library", "libdrd_none.so"}, {"home", "yes"}}, context); }).find("libdrd_none.so") != std::string::npos);
     for (const char* port : {"", "-1", "65536", "http"}) refusal<MismatchError>([&] { make_device("remote", {{"port", port}}, context); });
 }
