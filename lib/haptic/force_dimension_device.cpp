@@ -41,28 +41,33 @@ const DeviceKind ForceDimensionDevice::kind = {
 namespace {
 
 // the vendor's interface, as in the documentation of forcedimension_core 1.0 and the vendor's dhdc.h, drdc.h
-constexpr int timeguard = 1, motor_saturated = 2, some_error = 1;  // not errors: 1, 2; error code where none is given
+constexpr int timeguard = 1, motor_saturated = 2;  // returned, and no errors
+constexpr int some_error = 1;                      // code of an error without one
 constexpr int status_force = 5, status_cause = 14, cause_watchdog = 3;
 constexpr int most_status = 64;  // more than the library has; 17 in version 3.16
 constexpr int oldest_major = 3, oldest_minor = 16;
 constexpr double watchdog_unit_s = 125e-6;
+constexpr auto watchdog_ns = static_cast<long long>(1e9 * force_held_s);
 
 constexpr long long shortest_period_ns = 250'000, slow_period_ns = 1'000'000;
 constexpr double gone_s = 2;                      // errors alone for this time: the device has been disconnected
 constexpr double closes_deg = 7, opens_deg = 10;  // of a gripper
 
 /// Device types by the vendor's numbers (forcedimension_core 1.0, constants.py; 64, 106 and 107: dhdc.h of 3.7), and
-/// their largest force. Falcon, omega and delta: CHAI3D 3.2, CDeltaDevices.cpp. sigma: 12 N there and 20 N in the
-/// vendor's data sheet, of which the lower is taken. lambda: 20 N in the data sheet, and no other source, so as sigma.
+/// their largest force (CHAI3D 3.2, CDeltaDevices.cpp). For sigma and lambda the vendor is said to state 20 N, which was
+/// not verified. So sigma has CHAI3D's lower limit, and lambda, which CHAI3D does not have, that of sigma.
 struct Type {
     int number;
     const char* name;
     double force_max_N;
 };
-constexpr Type types[] = {{60, "Falcon", 8},      {33, "omega.3", 12},   {34, "omega.6", 12},        {36, "omega.6 left", 12}, {35, "omega.7", 12},
-                          {37, "omega.7 left", 12}, {63, "delta.3", 20},   {64, "delta.6", 20},        {206, "sigma.3", 12},     {104, "sigma.7", 12},
-                          {105, "sigma.7 left", 12}, {106, "sigma.6+", 12}, {107, "sigma.6+ left", 12}, {203, "lambda.3", 12},    {108, "lambda.7", 12},
-                          {109, "lambda.7 left", 12}};
+constexpr Type types[] = {
+    {60, "Falcon", 8},
+    {33, "omega.3", 12}, {34, "omega.6", 12}, {36, "omega.6 left", 12}, {35, "omega.7", 12}, {37, "omega.7 left", 12},
+    {63, "delta.3", 20}, {64, "delta.6", 20},
+    {206, "sigma.3", 12}, {106, "sigma.6+", 12}, {107, "sigma.6+ left", 12}, {104, "sigma.7", 12}, {105, "sigma.7 left", 12},
+    {203, "lambda.3", 12}, {108, "lambda.7", 12}, {109, "lambda.7 left", 12},
+};
 
 /// The newest file of these, by the numbers in its name; "": there is none.
 std::string newest(const std::string& pattern) {
@@ -243,8 +248,9 @@ void ForceDimensionDevice::start() {
         drd.disable_expert_mode();
     }
     period_s_ = 1e-9 * slow_period_ns;
-    slow_ = saturated_ = same_position_ = enabled_again_ = 0;
+    slow_ = saturated_ = time_guarded_ = enabled_again_ = 0;
     closed_ = false;
+    commanded_ns_ = now_ns();
     exchange_.begin();
     if (drd.enable_force(1, drd.device()) < 0) throw drd.error(fmt::format("cannot enable the forces of device {} ({})", options_.id, type_));
     ending_ = false;
@@ -253,7 +259,6 @@ void ForceDimensionDevice::start() {
 
 void ForceDimensionDevice::serve() noexcept {
     if (options_.realtime) scheduled_ = request_realtime(servo_priority) == 0;
-    constexpr auto watchdog_ns = static_cast<long long>(1e9 * force_held_s);
     constexpr double smoothing = 0.05;
     long long began = now_ns(), before = began;
     while (!ending_.load(std::memory_order_acquire)) {
@@ -265,7 +270,6 @@ void ForceDimensionDevice::serve() noexcept {
         if (period_ns > slow_period_ns) slow_.fetch_add(1, std::memory_order_relaxed);
         const double mean_s = period_s_.load(std::memory_order_relaxed);
         period_s_.store(mean_s + smoothing * (1e-9 * static_cast<double>(period_ns) - mean_s), std::memory_order_relaxed);
-        if (watchdog_ && period_ns >= watchdog_ns) after_stall();
     }
 }
 
@@ -280,13 +284,17 @@ void ForceDimensionDevice::servo_period() noexcept {
     const double length_N = force_N.norm();
     if (!std::isfinite(length_N)) force_N.setZero();
     else if (length_N > force_max_N_) force_N *= force_max_N_ / length_N;
+    const long long now = now_ns(), since_ns = now - commanded_ns_;
+    commanded_ns_ = now;
     // torques and the gripper's force are zero
     const int set = drd.set_force(force_N.x(), force_N.y(), force_N.z(), 0, 0, 0, 0, drd.device());
     if (set < 0 && error == 0) error = drd.error_code();
-    if (got == timeguard) same_position_.fetch_add(1, std::memory_order_relaxed);
+    if (got == timeguard) time_guarded_.fetch_add(1, std::memory_order_relaxed);
     if (set == motor_saturated) saturated_.fetch_add(1, std::memory_order_relaxed);
     if (error != 0) exchange_.failed(error);
     else exchange_.measured(position_m, grasp);
+    // not at the watchdog's own time, which the device measures by its clock from when a command arrives
+    if (watchdog_ && since_ns > watchdog_ns / 2) after_stall();
 }
 
 /// The device's watchdog may have disabled its forces. They stay disabled where the cause is another one.
@@ -348,7 +356,7 @@ std::vector<std::pair<std::string, double>> ForceDimensionDevice::statistics() c
     all.insert(all.end(), {{"servo_period_us", 1e6 * period_s_.load()},
                            {"slow_periods", static_cast<double>(slow_.load())},
                            {"saturated_ticks", static_cast<double>(saturated_.load())},
-                           {"same_position_ticks", static_cast<double>(same_position_.load())},
+                           {"time_guard_ticks", static_cast<double>(time_guarded_.load())},
                            {"watchdog", watchdog_ ? 1.0 : 0.0},
                            {"forces_enabled_again", static_cast<double>(enabled_again_.load())},
                            {"realtime", scheduled_.load() ? 1.0 : 0.0},

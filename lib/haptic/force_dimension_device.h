@@ -34,8 +34,8 @@ struct ForceDimensionOptions {
 /// the device's watchdog disables its forces after force_held_s (`watchdog` 1). It is the one thing here that needs the
 /// library's expert mode. A device without it (`watchdog` 0) keeps its last force until the library returns. After a
 /// stall the thread enables forces again, but only if the watchdog was the cause of their end, not a button or a limit
-/// of speed. stop() sends zero, disables forces and puts the brakes on. Zero means no force of ours: gravity
-/// compensation stays as the library has it, on by default.
+/// of speed. stop() sends zero, disables forces and puts the brakes on; it waits until the library returns. Zero means
+/// no force of this program: gravity compensation stays as the library has it, on by default.
 ///
 /// Initialisation. A device that was not initialised since it was powered on does not know where it is. start() then
 /// moves it by its motors, if `home` is set; else the constructor refuses.
@@ -43,7 +43,7 @@ struct ForceDimensionOptions {
 /// Limit of force. The type that the library reports determines the largest force that goes out; a longer one is
 /// shortened. Types without a known limit are refused. kind.impedance is that of the weakest type.
 ///
-/// Errors. A negative return value is an error; DHD_TIMEGUARD (1, a recent position is returned again) and
+/// Errors. A negative return value is an error; DHD_TIMEGUARD (1, the position is that of a recent exchange) and
 /// DHD_MOTOR_SATURATED (2, the library has shortened the force) are none, and are counted. A device that has returned
 /// nothing but errors for 2 s has finished.
 ///
@@ -85,14 +85,16 @@ class ForceDimensionDevice final : public Device {
     std::unique_ptr<Library> library_;
     std::string type_;
     double force_max_N_ = 0;
-    bool gripper_ = false, closed_ = false;  ///< closed_: used by the servo thread alone
+    bool gripper_ = false;
+    bool closed_ = false;                    ///< the gripper; used by the servo thread alone
+    long long commanded_ns_ = 0;             ///< time of the last force that was sent; used by the servo thread alone
     bool watchdog_ = false, started_ = false;
     unsigned char watchdog_before_ = 0;      ///< the device's own setting, which stop() restores
     ServoExchange exchange_;
     std::thread servo_;
     std::atomic<bool> ending_{false};
     std::atomic<double> period_s_{0};        ///< mean of the last servo periods
-    std::atomic<long> slow_{0}, saturated_{0}, same_position_{0}, enabled_again_{0};
+    std::atomic<long> slow_{0}, saturated_{0}, time_guarded_{0}, enabled_again_{0};
     std::atomic<bool> scheduled_{false};
 };
 

@@ -41,7 +41,7 @@ class Vendor final : public StandIn {
     }
     ForceDimensionOptions options(bool home = false) const { return {library, 0, home, false}; }
     Eigen::Vector3d force_N() const {
-        Eigen::Vector3d force;
+        Eigen::Vector3d force = Eigen::Vector3d::Zero();
         get_force(force.data());
         return force;
     }
@@ -119,7 +119,6 @@ TEST_CASE("force-dimension refuses a library that is missing or another one or t
 TEST_CASE("force-dimension finds the newest library of the SDK's folder before those of home", "[device]") {
     const Vendor vendor;
     const auto folder = [](const std::string& path) { return std::filesystem::create_directories(path), path; };
-    std::string machine;
     for (const char* name : {"x86_64", "aarch64", "i686", "armv7l", "riscv64", "ppc64le"}) {
         const std::string lib = folder(vendor.folder.file("sdk") + "/lib/release/lin-" + name + "-gcc");
         std::filesystem::copy_file(vendor.library, lib + "/libdrd.so.3.17.1");
@@ -202,7 +201,7 @@ TEST_CASE("force-dimension reads metres and sets the force to zero when ticks ce
         CHECK_FALSE(device.read(0).valid);
         device.write({1, 1, 1});  // before start(): no force
         device.start();
-        CHECK(vendor.forces_on() == 1);
+        CHECK(wait_for([&] { return vendor.forces_on() == 1; }));
         CHECK(vendor.watchdog() == 80);  // 80 x 125 us = force_held_s
         CHECK(vendor.expert() == 0);
         CHECK(wait_for([&] { return device.read(0.01).valid; }));
@@ -213,7 +212,7 @@ TEST_CASE("force-dimension reads metres and sets the force to zero when ticks ce
             return vendor.force_N() == Eigen::Vector3d(0.5, 0.25, -1);
         }));
         CHECK(wait_for([&] { return vendor.force_N().isZero(0); }));  // without ticks
-        CHECK(vendor.forces_on() == 1);
+        CHECK(wait_for([&] { return vendor.forces_on() == 1; }));     // they are on, unless this machine stalls
         CHECK(statistics(device, "cut_off_ticks") > 0);
         // A force lasts for more than half of force_held_s and less than all of it. A busy machine needs several
         // attempts to show it.
@@ -269,7 +268,7 @@ TEST_CASE("force-dimension limits the force to that of the type it finds", "[dev
         CHECK(ForceDimensionDevice::kind.impedance.force_max_N <= e.force_N);
         const RunningDevice running(device);
         const Eigen::Vector3d direction = Eigen::Vector3d(1, -2, 2) / 3;
-        Eigen::Vector3d largest_N;
+        Eigen::Vector3d largest_N = Eigen::Vector3d::Zero();
         CHECK(wait_for([&] {
             device.write(1.5 * e.force_N * direction);
             return (largest_N = vendor.force_N()).norm() > 0;
@@ -279,8 +278,11 @@ TEST_CASE("force-dimension limits the force to that of the type it finds", "[dev
             device.write(0.5 * e.force_N * direction);
             return (vendor.force_N() - 0.5 * e.force_N * direction).norm() < 1e-9;
         }));
-        device.write(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
-        CHECK(wait_for([&] { return vendor.force_N().isZero(0); }));
+        for (int k = 0; k < 5; ++k) {
+            device.write(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
+            CHECK(servo_goes_on(device));
+            CHECK(vendor.force_N().isZero(0));
+        }
     }
 }
 
@@ -290,7 +292,7 @@ TEST_CASE("the time guard and saturated motors of force-dimension are no errors"
     const RunningDevice running(device);
     vendor.set("timeguard", 1);
     vendor.set("saturated", 1);
-    CHECK(wait_for([&] { return statistics(device, "saturated_ticks") > 5 && statistics(device, "same_position_ticks") > 5; }));
+    CHECK(wait_for([&] { return statistics(device, "saturated_ticks") > 5 && statistics(device, "time_guard_ticks") > 5; }));
     CHECK(wait_for([&] { return device.read(0).valid; }));
     CHECK(statistics(device, "vendor_errors") == 0);
     CHECK(device.fault().empty());
