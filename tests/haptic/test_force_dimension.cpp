@@ -311,7 +311,17 @@ TEST_CASE("an error of force-dimension between two reads is not hidden by a succ
         CHECK_FALSE(device.read(0.01).valid);
         CHECK(device.read(0.011).valid);
     }
-    CHECK(device.fault() == "timeout (vendor error 7)");  // of the servo's thread, not of this one
+    // errors without an end, after which the library stalls: no error comes between the last two reads
+    vendor.set("position_errors", -1);
+    CHECK(wait_for([&] { return !device.read(0.02).valid; }));
+    vendor.set("stall_ms", 500);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    device.read(0.021);
+    CHECK_FALSE(device.read(0.022).valid);
+    vendor.set("position_errors", 0);
+    CHECK(wait_for([&] { return device.read(0.03).valid; }));
+    vendor.set("force_errors", 1);
+    CHECK(wait_for([&] { return device.fault() == "timeout (vendor error 7)"; }));  // of the servo's thread, not of this one
     CHECK(statistics(device, "vendor_error") == 7);
 }
 
