@@ -176,7 +176,7 @@ void run(const Options& o, Provenance provenance) {
     if (adaptation) journal = std::make_unique<cli::Journal>(o.journal, model.dimension());
     // devices last, so that none is open while anything else can fail
     std::vector<std::unique_ptr<Device>> owned;
-    for (int t = 0; t < o.tools(); ++t) owned.push_back(make_device(o.device[t].kind, o.device[t].values, {*o.seconds, o.seed + static_cast<unsigned long>(t), t, &model.rest, simulation.options(t).map}));
+    for (int t = 0; t < o.tools(); ++t) owned.push_back(make_device(o.device[t].kind, o.device[t].values, {*o.seconds, o.seed + static_cast<unsigned long>(t), t, &model.rest, simulation.options(t).map, !o.choices.no_realtime}));
     if (!o.hidden.empty()) owned[0] = std::make_unique<TargetTissue>(std::move(owned[0]), read_model(o.hidden), o.choices.haptic);
     std::vector<Device*> devices;
     for (const auto& device : owned) devices.push_back(device.get());

@@ -55,6 +55,9 @@ class Device {
     /// called while finished() is true, and after stop().
     virtual std::string failure() const { return ""; }
 
+    /// The last error since start() that the device or its vendor's library reported, as text; "": none.
+    virtual std::string fault() const { return ""; }
+
     /// The device's own counts and figures, for session statistics: name and value.
     virtual std::vector<std::pair<std::string, double>> statistics() const { return {}; }
 };

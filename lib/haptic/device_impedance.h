@@ -23,6 +23,13 @@ struct DeviceImpedance {
 /// from a position goes out together with the next position, which is a delay of 1 ms.
 inline constexpr DeviceImpedance touch_impedance{"Touch", 0.045, 0, 1020, 3.3, 1000, 1e-3};
 
+/// The least of a family: omega, delta, sigma and lambda of Force Dimension, and Novint Falcon. Force and stiffness are
+/// the Falcon's, 8 N and 3 kN/m; the others have more (CHAI3D 3.2, CDeltaDevices.cpp). No source gives mass, damping of
+/// the device itself or rate: where the user gives device-mass, contacts are checked for it. The force for a position
+/// goes out one servo period later, which is 1 ms where a device answers at 1 kHz, and less where it is faster.
+inline constexpr DeviceImpedance force_dimension_impedance{
+    "Force Dimension", 0, 0, 3000, 8, std::numeric_limits<double>::infinity(), 1e-3};
+
 /// Haply's Inverse3 and Minverse, the stricter of the two, since which one is there is known too late. Published for the
 /// Inverse3: 10 N and 1000 N/m, in Haply's fork of CHAI3D (src/devices/CHaplyDevices.cpp), which calls such figures
 /// estimates; stiffness up to 800 N/m in the "Basic Force-Feedback Tutorial" of docs.haply.co. Nothing was found for the

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "error.h"
+#include "haptic/force_dimension_device.h"
 #include "haptic/haply_device.h"
 #include "haptic/openhaptics_device.h"
 #include "haptic/remote_device.h"
@@ -18,6 +19,7 @@ const Registry<const DeviceKind*>& device_kinds() {
                                                        &ReplayDevice::kind,
                                                        &RemoteDevice::kind,
                                                        &OpenHapticsDevice::kind,
+                                                       &ForceDimensionDevice::kind,
                                                        &HaplyDevice::kind,
                                                    },
                                                    [](const DeviceKind* kind) { return kind->name; });

@@ -28,6 +28,7 @@ struct DeviceContext {
     int tool = 0;                                   ///< index of the session's tool that the device moves
     const SpringMesh* rest = nullptr;               ///< mesh of the tissue at rest; it must outlive make()
     DeviceMap map;
+    bool realtime = true;                           ///< a device may request SCHED_FIFO for a thread of its own
 };
 
 /// Values of options by their names, as text.

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <atomic>
+#include <memory>
 #include <string>
 
 #include "haptic/device_kinds.h"
+#include "haptic/servo_exchange.h"
 
 namespace tissue {
 
@@ -11,8 +12,7 @@ namespace tissue {
 /// device is made: building needs no SDK, and this file contains none of the SDK's text.
 ///
 /// The vendor's servo thread calls servo() about 1000 times a second. The callback exchanges position and force with
-/// the tick through atomics and never waits. It outputs zero force when the newest force is older than three quarters
-/// of force_held_s, since up to 2.5 ms may pass until the next call.
+/// the tick (ServoExchange), which also outputs zero force where ticks cease.
 ///
 /// The force for a position goes out in the callback after it. read() adds this delay to the age of a position. The
 /// check of a tissue's stiffness gets it as DeviceImpedance::delay_s.
@@ -34,25 +34,15 @@ class OpenHapticsDevice final : public Device {
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;
     void stop() noexcept override;
-    std::vector<std::pair<std::string, double>> statistics() const override;
+    std::string fault() const override;
+    std::vector<std::pair<std::string, double>> statistics() const override { return exchange_.statistics(); }
 
    private:
     struct Library;
     static unsigned servo(void* self) noexcept;
 
-    template <int Size>
-    struct Exchange;  ///< for one writer and one reader, of which neither waits
-
-    Library* library_;
-    Exchange<4>* position_;  ///< three axes [m], and 1 while the first button is down
-    Exchange<3>* force_;
-    std::atomic<unsigned long> servo_ticks_{0};
-    std::atomic<long long> written_ns_{0};                      ///< time of the newest force; 0: none since start()
-    std::atomic<int> vendor_error_{0};
-    std::atomic<long> cut_off_{0};                              ///< callbacks that found the newest force too old
-    /// servo_ticks_ at the newest position that read() found
-    unsigned long seen_by_tick_ = 0;
-    double seen_at_s_ = 0;                                      ///< schedule time of that read()
+    std::unique_ptr<Library> library_;
+    ServoExchange exchange_;
     bool started_ = false;
 };
 

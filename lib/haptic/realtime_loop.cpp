@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 #include <pthread.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -15,34 +13,19 @@
 #include <optional>
 
 #include "error.h"
+#include "haptic/realtime_thread.h"
 #include "haptic/running_device.h"
 
 namespace tissue {
 namespace {
 
-constexpr long long second_ns = 1'000'000'000;
-
-long long now_ns(clockid_t clock) noexcept {
-    timespec t;
-    clock_gettime(clock, &t);
-    return t.tv_sec * second_ns + t.tv_nsec;
-}
-
-void sleep_until(long long time_ns) noexcept {
-    const timespec t{time_ns / second_ns, time_ns % second_ns};
-    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr);
-}
-
 /// Requests SCHED_FIFO for the calling thread and locked memory, for the lifetime of this object.
 class RealtimeThread {
    public:
     RealtimeThread(int priority, std::vector<std::string>& notices) {
-        prctl(PR_SET_TIMERSLACK, 1UL);
         pthread_getschedparam(pthread_self(), &policy_, &before_);
-        sched_param wanted{};
-        wanted.sched_priority = priority;
         std::string refused;
-        const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
+        const int error = request_realtime(priority);
         scheduled_ = error == 0;
         if (error != 0) refused = fmt::format("no SCHED_FIFO ({})", std::strerror(error));
         locked_ = mlockall(MCL_CURRENT) == 0;
@@ -92,21 +75,21 @@ void run(Simulation& simulation, Device* const* given, std::size_t count, const 
     touch_stack();
     const double dt_s = simulation.model().options.dt_s;
     const auto dt_ns = static_cast<long long>(std::llround(dt_s * 1e9));
-    const long long start = now_ns(CLOCK_MONOTONIC) + dt_ns;
+    const long long start = now_ns() + dt_ns;
     const long long last_slot =
         options.seconds > 0 ? static_cast<long long>(std::ceil(options.seconds / dt_s - 1e-6)) : -1;
     long long before = -1, left_out = 0;  // slot of the last tick, done or left out; number of slots left out
     double cost_s = 0;  // duration of the previous tick
     for (long long slot = 0; last_slot < 0 || slot < last_slot; ++slot) {
         if (options.stop && options.stop->load(std::memory_order_relaxed)) break;
-        const long long due = options.clock ? start + slot * dt_ns : now_ns(CLOCK_MONOTONIC);
+        const long long due = options.clock ? start + slot * dt_ns : now_ns();
         if (options.clock) sleep_until(due);
 
         bool wanted = true;
         for (TickHook* hook : options.hooks) wanted = hook->before(simulation) && wanted;
 
         // after a late wake-up this becomes the tick of the current period; since_s is the time since the last one
-        const long long began = now_ns(CLOCK_MONOTONIC), cpu_began = now_ns(CLOCK_THREAD_CPUTIME_ID);
+        const long long began = now_ns(), cpu_began = now_ns(CLOCK_THREAD_CPUTIME_ID);
         const auto missed = [&](long long late_ns, long long next) {
             const long long periods = options.clock ? late_ns / dt_ns : 0;
             return last_slot < 0 ? periods : std::min(periods, last_slot - next);
@@ -126,15 +109,15 @@ void run(Simulation& simulation, Device* const* given, std::size_t count, const 
         books.clock = options.clock;
         if (wanted) {
             for (int k = 0; k < tools; ++k) samples[k] = given[k]->read(time_s);
-            const long long ticked = now_ns(CLOCK_MONOTONIC);
+            const long long ticked = now_ns();
             simulation.tick(samples, force_N, since_s, cost_s);
-            if (options.clock) cost_s = 1e-9 * static_cast<double>(now_ns(CLOCK_MONOTONIC) - ticked);
+            if (options.clock) cost_s = 1e-9 * static_cast<double>(now_ns() - ticked);
         } else {
             for (int k = 0; k < tools; ++k) samples[k] = given[k]->skip_tick(time_s);
             simulation.skip_tick(samples, force_N, since_s);
         }
         for (int k = 0; k < tools; ++k) given[k]->write(force_N[k]);
-        const long long ended = now_ns(CLOCK_MONOTONIC);
+        const long long ended = now_ns();
 
         // session statistics
         books.tick_us = 1e-3 * static_cast<double>(ended - began);

@@ -6,6 +6,7 @@
 
 #include "haptic/device.h"
 #include "haptic/histogram.h"
+#include "haptic/realtime_thread.h"
 #include "haptic/simulation.h"
 #include "haptic/tick_hook.h"
 
@@ -22,8 +23,7 @@ struct LoopOptions {
     bool clock = true;
     /// request SCHED_FIFO and locked memory; without a clock no request is made, since such a loop never sleeps
     bool realtime = true;
-    /// of SCHED_FIFO: above most of the kernel's threads, below its watchdogs
-    int priority = 80;
+    int priority = tick_priority;               ///< of SCHED_FIFO
     std::vector<TickHook*> hooks;               ///< called in this order; must outlive the loop
 };
 

@@ -1,5 +1,4 @@
 #include <arpa/inet.h>
-#include <dlfcn.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -8,9 +7,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <thread>
 
 #include "../example.h"
@@ -25,6 +22,7 @@
 #include "haptic/running_device.h"
 #include "haptic/virtual_device.h"
 #include "haptic_example.h"
+#include "stand_in.h"
 
 using namespace tissue;
 
@@ -85,39 +83,24 @@ class Client {
     sockaddr_in to_{};
 };
 
-/// A stand-in for the vendor's library, compiled here.
-class StandIn {
+/// The stand-in for OpenHaptics.
+class OpenHapticsStandIn final : public StandIn {
    public:
-    StandIn() {
-        const std::string source = (std::filesystem::path(__FILE__).parent_path() / "stand_in" / "libHD.cpp").string();
-        REQUIRE(std::system(("c++ -std=c++17 -O1 -shared -fPIC -pthread -o " + library + " " + source).c_str()) == 0);
-        handle_ = dlopen(library.c_str(), RTLD_NOW);
-        REQUIRE(handle_);
+    OpenHapticsStandIn() : StandIn("libHD") {
         find("stand_in_set_position", set_position);
         find("stand_in_get_force", get_force);
         find("stand_in_set_error", set_error);
+        find("stand_in_fail_once", fail_once);
         find("stand_in_set_buttons", set_buttons);
         find("stand_in_running", running);
     }
-    ~StandIn() { dlclose(handle_); }
-    StandIn(const StandIn&) = delete;
-    StandIn& operator=(const StandIn&) = delete;
 
-    const TemporaryFolder folder;
-    const std::string library = folder.file("libHD.so");
     void (*set_position)(double, double, double) = nullptr;
     void (*get_force)(double*) = nullptr;
     void (*set_error)(unsigned) = nullptr;
+    void (*fail_once)(unsigned) = nullptr;  ///< waits until one servo period has had this error
     void (*set_buttons)(int) = nullptr;
     int (*running)() = nullptr;
-
-   private:
-    template <class Function>
-    void find(const char* name, Function& function) {
-        function = reinterpret_cast<Function>(dlsym(handle_, name));
-        REQUIRE(function);
-    }
-    void* handle_ = nullptr;
 };
 
 }  // namespace
@@ -440,7 +423,7 @@ TEST_CASE("openhaptics reports a missing vendor library and a missing function",
 }
 
 TEST_CASE("openhaptics reads millimetres and sets the force to zero when ticks cease and when the device stops", "[device]") {
-    const StandIn vendor;
+    const OpenHapticsStandIn vendor;
     double force[3];
     {
         OpenHapticsDevice device(vendor.library);
@@ -511,8 +494,25 @@ TEST_CASE("openhaptics reads millimetres and sets the force to zero when ticks c
     CHECK(refusal<DeviceError>([&] { OpenHapticsDevice device(vendor.library); }).find("0x0200") != std::string::npos);
 }
 
+TEST_CASE("an error of openhaptics between two reads is not hidden by a success after it", "[device]") {
+    const OpenHapticsStandIn vendor;
+    OpenHapticsDevice device(vendor.library);
+    vendor.set_position(10, 0, 0);
+    device.start();
+    CHECK(wait_for([&] { return device.read(0.01).position_m.x() == 0.01; }));
+    CHECK(device.fault().empty());
+    vendor.fail_once(0x0302);
+    const double ticks = statistics(device, "servo_ticks");
+    CHECK(wait_for([&] { return statistics(device, "servo_ticks") > ticks + 3; }));  // these have no error
+    CHECK_FALSE(device.read(0.02).valid);
+    CHECK(device.read(0.021).valid);
+    CHECK(device.fault() == "vendor error 0x0302");
+    CHECK(statistics(device, "vendor_errors") == 1);
+    CHECK(statistics(device, "vendor_error") == 0x0302);
+}
+
 TEST_CASE("openhaptics stops a servo that fails at its start and can start it again", "[device]") {
-    const StandIn vendor;
+    const OpenHapticsStandIn vendor;
     {
         OpenHapticsDevice device(vendor.library);
         vendor.set_error(0x0301);
@@ -533,7 +533,7 @@ TEST_CASE("openhaptics stops a servo that fails at its start and can start it ag
 }
 
 TEST_CASE("a whole session on the openhaptics stand-in renders a force and ends with zero force", "[device]") {
-    const StandIn vendor;
+    const OpenHapticsStandIn vendor;
     vendor.set_position(50, 105, 0);
     HapticOptions o;
     o.map.force_scale = 100;

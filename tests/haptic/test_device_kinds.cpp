@@ -3,6 +3,7 @@
 
 #include "../refusal.h"
 #include "error.h"
+#include "haptic/device_error.h"
 #include "haptic/device_kinds.h"
 #include "haptic/virtual_device.h"
 
@@ -21,7 +22,7 @@ TEST_CASE("every kind of device has a unique name and unique options with valid 
             if (option.wrong) CHECK_FALSE(option.wrong("nonsense").empty());
         }
     }
-    CHECK(device_kinds().names() == std::vector<std::string>{"virtual", "replay", "remote", "openhaptics", "haply"});
+    CHECK(device_kinds().names() == std::vector<std::string>{"virtual", "replay", "remote", "openhaptics", "force-dimension", "haply"});
 }
 
 TEST_CASE("a device is made from its name with initial values for options that are not given", "[device]") {
@@ -33,10 +34,13 @@ TEST_CASE("a device is made from its name with initial values for options that a
     for (double t : {0.0, 0.3, 0.9, 2.0}) CHECK(device->read(t).position_m == again->read(t).position_m);
     CHECK(make_device("remote", {{"port", "0"}}, context)->name() == "remote");
     CHECK(make_device("haply", {{"haply-url", "ws://[::1]:99/"}, {"haply-events-port", "0"}}, context)->name() == "haply");
-    CHECK(refusal<MismatchError>([&] { make_device("mouse", {}, context); }).find("virtual, replay, remote, openhaptics, haply") != std::string::npos);
+    CHECK(refusal<MismatchError>([&] { make_device("mouse", {}, context); }).find("virtual, replay, remote, openhaptics, force-dimension, haply") != std::string::npos);
     CHECK(refusal<MismatchError>([&] { make_device("replay", {}, context); }).find("--trajectory FILE") != std::string::npos);
     CHECK(refusal<MismatchError>([&] { make_device("virtual", {{"motion", "stab"}}, context); }).find("press, slide, poke, probe, sine") != std::string::npos);
     for (const char* depth : {"", "0", "-1", "nan", "inf", "1 mm"}) refusal<MismatchError>([&] { make_device("virtual", {{"depth", depth}}, context); });
+    for (const char* id : {"", "-1", "32", "first"}) refusal<MismatchError>([&] { make_device("force-dimension", {{"device-id", id}}, context); });
+    for (const char* home : {"", "1", "YES"}) refusal<MismatchError>([&] { make_device("force-dimension", {{"home", home}}, context); });
+    CHECK(refusal<DeviceError>([&] { make_device("force-dimension", {{"drd-library", "libdrd_none.so"}, {"home", "yes"}}, context); }).find("libdrd_none.so") != std::string::npos);
     for (const char* port : {"", "-1", "65536", "http"}) refusal<MismatchError>([&] { make_device("remote", {{"port", port}}, context); });
     for (const char* url : {"", "localhost:10001", "http://localhost:10001", "ws://", "ws://192.168.1.2:10001", "ws://0.0.0.0", "ws://localhost.example.org", "ws://localhost:0", "ws://localhost:65536",
                             "ws://localhost:", "ws://localhost:1x", "ws://127.0.0.1@example.org", "ws://127.0.0.12", "ws://[::1", "ws://localhost/path"})

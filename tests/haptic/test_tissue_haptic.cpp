@@ -28,6 +28,7 @@
 #include "haptic/virtual_device.h"
 #include "haptic_example.h"
 #include "io/atomic_file.h"
+#include "stand_in.h"
 
 using namespace tissue;
 
@@ -507,6 +508,30 @@ TEST_CASE("two devices of tissue-haptic have their own tools and options and sta
     CHECK(run(folder, folder.file("sets.h5") + " --second-device virtual").err.find("two tools need an energy model") != std::string::npos);
 }
 
+TEST_CASE("tissue-haptic plays on the force-dimension stand-in and prints its type and its last error and limits the force to 8 N", "[program]") {
+    const StandIn vendor("libdrd");
+    const auto played = [&](const std::string& arguments) {
+        return run(vendor.folder, model_file(vendor.folder) + " --device force-dimension --drd-library " + vendor.library + " --seconds 0.3 --force-max 20 " + arguments);
+    };
+    const Ended without = played("--json");
+    INFO(without.err);
+    REQUIRE(without.status == 0);
+    CHECK(without.err.find("device force-dimension (omega.7)") != std::string::npos);
+    CHECK(without.err.find("at most 8 N") != std::string::npos);
+    const nlohmann::json j = nlohmann::json::parse(without.out);
+    CHECK(j["device"] == "force-dimension (omega.7)");
+    CHECK(j["details"]["device"]["servo_ticks"] > 10);
+    CHECK(j["details"].count("device_error") == 0);
+    const std::string fails = "STAND_IN_FORCE_ERRORS";
+    ::setenv(fails.c_str(), "3", 1);
+    const Ended text = played(""), json = played("--json");
+    ::unsetenv(fails.c_str());
+    CHECK(text.out.find("device error     timeout (vendor error 7)\n") != std::string::npos);
+    REQUIRE(json.status == 0);
+    CHECK(nlohmann::json::parse(json.out)["details"]["device_error"] == "timeout (vendor error 7)");
+    CHECK(nlohmann::json::parse(json.out)["details"]["device"]["vendor_errors"] == 3);
+}
+
 TEST_CASE("a session lasts until a device ends and ten seconds with the virtual device", "[program]") {
     const TemporaryFolder folder;
     const std::string model = folder.file("law.h5");
@@ -533,6 +558,10 @@ TEST_CASE("tissue-haptic exits with 1 for failed work and 2 for a wrong command 
     };
     CHECK(ended(folder.file("missing.h5"), 1).find("missing.h5") != std::string::npos);
     CHECK(ended(model + " --device openhaptics --library libHD_none.so", 1).find("cannot load") != std::string::npos);
+    CHECK(ended(model + " --device force-dimension --drd-library libdrd_none.so", 1).find("cannot load libdrd_none.so") != std::string::npos);
+    CHECK(ended(model + " --device force-dimension --home maybe", 2).find("must be yes or no, not maybe") != std::string::npos);
+    CHECK(ended(model + " --device force-dimension --device-id 32", 2).find("must be a number from 0 to 31, not 32") != std::string::npos);
+    CHECK(ended(model + " --device openhaptics --home yes", 2).find("is an option of device force-dimension, not of openhaptics") != std::string::npos);
     CHECK(ended(model + " --sets best", 1).find("example, optimum") != std::string::npos);
     CHECK(ended(model + " --record " + folder.file("no/s.h5"), 1).find("cannot write") != std::string::npos);
     CHECK(ended(model + " --device replay --trajectory " + folder.file("none.csv"), 1).find("none.csv") != std::string::npos);

@@ -15,7 +15,7 @@ struct ErrorInfo {
 
 std::mutex guard;
 double position_mm[3], force_N[3];
-std::atomic<unsigned> error{0};
+std::atomic<unsigned> error{0}, error_once{0};
 std::atomic<int> buttons{0};
 std::atomic<bool> running{false}, enabled{false};
 unsigned (*callback)(void*) = nullptr;
@@ -58,7 +58,10 @@ void hdSetDoublev(unsigned what, const double* values) {
     const std::lock_guard<std::mutex> lock(guard);
     for (int k = 0; k < 3 && what == 0x2700 && enabled; ++k) force_N[k] = values[k];
 }
-ErrorInfo hdGetError() { return {error, 0, 1}; }
+ErrorInfo hdGetError() {
+    const unsigned once = error_once.exchange(0);
+    return {once != 0 ? once : error.load(), 0, 1};
+}
 
 void stand_in_set_position(double x, double y, double z) {
     const std::lock_guard<std::mutex> lock(guard);
@@ -73,4 +76,8 @@ void stand_in_get_force(double* values) {
 int stand_in_running() { return running; }
 void stand_in_set_buttons(int down) { buttons = down; }
 void stand_in_set_error(unsigned code) { error = code; }
+void stand_in_fail_once(unsigned code) {
+    error_once = code;
+    while (error_once != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
 }
