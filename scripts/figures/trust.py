@@ -58,16 +58,16 @@ def main():
         reach.text(44, 15.2, "largest tool displacement of the studies", ha="right", fontsize=8, color="0.4")
         force.set_title(formulation.replace("-", " "))
         force.set_xlabel("tool displacement (mm)")
-        reach.set_xlabel("angle from the inward normal (degrees; negative: towards the fixed edge)")
+        reach.set_xlabel("angle from the inward normal (degrees;\nnegative: towards the fixed edge)")
         reach.set_ylim(0, 21)
     for angle, style in SHOWN.items():
         axes[0, 0].plot([], [], style, color="0.3", label=f"{angle:+d} degrees" if angle else "normal")
     axes[0, 0].plot([], [], "x", color="0.3", label="the path ends")
     axes[0, 0].legend(frameon=False)
     axes[0, 0].set_ylabel("force along the displacement, t = 1 mm (mN)")
-    axes[1, 0].set_ylabel("largest displacement with a solution, 20 mm at most (mm)")
+    axes[1, 0].set_ylabel("largest displacement with a solution,\nof 20 mm (mm)")
     axes[1, 1].legend(title="element size at the ends of the patch", frameon=False, loc="lower right")
-    figure.suptitle("On finer meshes the FE force converges, but the surface folds at the ends of the patch at a smaller displacement")
+    figure.suptitle("The finer the mesh, the smaller the displacement at which the surface folds at the ends of the patch; the force converges")
     save(figure, sys.argv[2])
 
 
