@@ -83,7 +83,7 @@ all: figures eval report
 ## mesh: gmsh meshes the block (Sec. 2.2), or your shape; a solid block's paths mesh for themselves
 mesh:
 
-## contacts: draw what of a shape in space is held and where its contacts are, before any path is solved: results/NAME/contacts.png
+## contacts: draw the fixed part and the contacts of a shape in space, before any path is solved: results/NAME/contacts.png
 contacts: $(R)/contacts.png
 $(R)/contacts.png: $(if $(SHAPE),$(R)/mesh.msh) $(R)/plan.mk scripts/figures/contacts.py scripts/figures/save.py
 	@$(PYTHON) scripts/figures/contacts.py $(R) $@
@@ -91,27 +91,27 @@ $(R)/contacts.png: $(if $(SHAPE),$(R)/mesh.msh) $(R)/plan.mk scripts/figures/con
 ## cases: FreeFEM solves every load path (Sec. 2)
 cases: $(R)/cases.h5
 
-## train: learn a spring set for every load case (Sec. 3)
+## train: train the energy model, or a spring set for every load case (Sec. 3)
 train: $(R)/model.h5
 
-## first: solve 8 load paths, spread over those to train on, and train a model on all that are solved: results/NAME/first/model.h5; run it again to include more
+## first: solve 8 load paths of the training set and train a model on all that are solved: results/NAME/first/model.h5; run it again to include more
 
-## eval: measure learned springs and baselines against FE
+## eval: compare the trained model and its baselines with FE
 eval: $(R)/eval.json
 
-## figures: draw what the plan says the study shows
+## figures: draw the figures of the study's plan
 figures:
 
-## report: one file to mail with the figures inside, results/NAME/report.html
+## report: write report and figures into one file, results/NAME/report.html
 report: $(R)/report.html
 
-## build: the programs alone
+## build: build the programs alone
 build: $(TISSUECTL) $(TISSUE_HAPTIC)
 
-## doors: the library for C, and the module for Python
+## doors: build the bindings: the library for C and the module for Python
 doors: $(BUILD)/libtissue.so.1 $(PYTHON_MODULE)
 
-## deps: name and install missing packages
+## deps: name missing packages and install them
 deps: build/deps
 
 # Paths are passed by the environment, since they may contain blanks and quotes. In /opt/a$b, make would expand $b to
@@ -130,11 +130,11 @@ install: export CXX := $(CXX)
 install: build doors $(BUILD)/libtissue.a
 	@PACKAGES='$(PACKAGES)' CXXFLAGS='$(filter -m% -DEIGEN_%,$(CXXFLAGS))' scripts/install $(BUILD)
 
-## uninstall: take away what install put under PREFIX
+## uninstall: remove what install put under PREFIX
 uninstall:
 	@scripts/install --remove
 
-## doctor: versions of every tool, what is missing and how to get it
+## doctor: print the version of every tool, the missing ones, and how to install them
 doctor: $(TISSUECTL)
 	@$(TISSUECTL) doctor
 
@@ -402,17 +402,17 @@ reference:
 	@for study in $(filter surface block3,$(REFERENCE_STUDIES)); do $(MAKE) ablation STUDY=$$study || exit 1; done
 	@$(PYTHON) scripts/reference.py $(REFERENCE_STUDIES)
 
-## regress: run the study anew and elsewhere; silent when it says what results/reference/STUDY.json says; REGRESS_OPTIONS='--all --finished'
+## regress: run the study from the start in build/regress; no output if the result equals results/reference/STUDY.json; REGRESS_OPTIONS='--all --finished'
 regress: | build/deps
 	@scripts/regress $(if $(filter --all,$(REGRESS_OPTIONS)),,--study $(STUDY)) $(REGRESS_OPTIONS)
 
-## trust: where FE stops being trustworthy, as results/reference/trust.png
+## trust: draw the displacements up to which FE has a solution, results/reference/trust.png
 trust: | build/deps
 	@scripts/folder results/trust
 	@FF_LOADPATH="$$(scripts/freefem_plugins)" $(PYTHON) scripts/trust_study.py --out results/trust/trust.csv
 	@$(PYTHON) scripts/figures/trust.py results/trust/trust.csv results/reference/trust.png
 
-## realtime: press the 1 kHz simulation at the study's contacts until it rests; drawn as figures/motion.png
+## realtime: indent the 1 kHz simulation at the study's contacts until the force is constant; drawn as figures/motion.png
 realtime: $(R)/realtime.json
 	@scripts/folder $(R)/figures
 	@$(PYTHON) scripts/figures/motion.py $< $(R)/figures/motion.png
@@ -420,7 +420,7 @@ realtime: $(R)/realtime.json
 $(R)/realtime.json: $(R)/model.h5 $(R)/cases.h5 $(TISSUE_HAPTIC)
 	@$(TISSUE_HAPTIC) $< --check $(R)/cases.h5 --out $@ $(REALTIME_OPTIONS)
 
-## ablation: train and try the study's variants on its drawn contacts
+## ablation: train the study's variants and evaluate them on its test set
 ablation: $(R)/cases.h5 $(TISSUECTL)
 	@$(TISSUECTL) ablate --study fem/studies/$(STUDY).toml --cases $< --out $(R)/ablation.json
 	@scripts/folder $(R)/figures
@@ -432,10 +432,10 @@ $(FELUPE:%=%-run): %-run: | build/deps
 	@PYTHON=$(PYTHON) scripts/venv
 	@FF_LOADPATH="$$(scripts/freefem_plugins)" build/venv/bin/python $*
 
-## felupe: contact forces of an independent finite-element program on the same mesh
+## felupe: compare contact forces with an independent finite-element program on the same mesh
 felupe: $(FELUPE:%=%-run)
 
-## gains: how gains, iterations and Q follow mesh size and displacement, as results/reference/gains.md
+## gains: measure gains, iterations and Q as functions of mesh size and displacement: results/reference/gains.md
 gains: $(TISSUECTL) $(BUILD)/gains_probe
 	@for nodes in 6 11 21 41; do $(MAKE) cases STUDY=lattice-$$nodes || exit 1; done
 	@$(PYTHON) scripts/gains_study.py $(BUILD)/gains_probe results/reference/gains
@@ -451,7 +451,7 @@ else
 endif
 
 PATIENTS := stiff soft ogden lump layers
-## patient: what a model that learns from pokes is off on tissues it was not trained on, as results/reference/patient.md
+## patient: measure the error of a model that adapts to synthetic target tissues: results/reference/patient.md
 patient: $(TISSUECTL) $(BUILD)/adapt_probe
 	@$(MAKE) train STUDY=surface-quick
 	@for patient in $(PATIENTS); do $(MAKE) cases STUDY=patient-$$patient || exit 1; done
@@ -461,7 +461,7 @@ patient: $(TISSUECTL) $(BUILD)/adapt_probe
 	  --out results/patient-lump/learned-$$n.h5 || exit 1; done
 	@$(PYTHON) scripts/figures/learned.py results/reference/patient-map.png $(foreach n,5 10 20 40,results/patient-lump/learned-$n.h5) --truth 42 73 21
 
-## patient3: the same in space, as results/reference/patient3.md
+## patient3: the same in space: results/reference/patient3.md
 patient3: $(TISSUECTL) $(BUILD)/adapt_probe
 	@$(MAKE) train STUDY=block3-quick
 	@$(MAKE) cases STUDY=nodule3
@@ -483,7 +483,7 @@ test-fe: $(FE_LONG:%=%-long)
 
 SANITIZED := tissue-haptic tissuectl test_tissue
 TESTS :=
-## sanitized: what sanitize and fuzz run, without running it
+## sanitized: build the programs of sanitize and fuzz without running them
 sanitized: $(BUILD)/test_tissue | build/deps-sanitize
 	@$(MAKE) SANITIZE=1 $(addprefix build/sanitize/,$(SANITIZED) $(FUZZ_READERS:%=fuzz_%))
 
@@ -493,30 +493,30 @@ sanitize: $(BUILD)/test_tissue | build/deps-sanitize
 	@TISSUE_HAPTIC=build/sanitize/tissue-haptic tests/parts build/sanitize/test_tissue $$(env -u OMP_NUM_THREADS nproc) '$(TESTS)'
 	@TISSUECTL=build/sanitize/tissuectl PYTHON=$(PYTHON) tests/pipeline/test_serve.sh
 
-## tsan: what has threads (loop, recorder, devices, learning, page, parallel work) under the sanitizer for races
+## tsan: tests of code with threads (loop, recorder, devices, learning, page, parallel work) under the sanitizer for data races
 tsan:
 	@$(MAKE) SANITIZE=thread build/tsan/test_tissue
 	@build/tsan/test_tissue -# '[loop],[recorder],[device],[pointer],[adapt],[serve],[api],[#test_parallel],[#test_law_press],[#test_atomic_file]'
 
 READERS ?= $(FUZZ_READERS)
 SECONDS ?= 60
-## fuzz: what reads files, datagrams and pages of strangers, on bytes that follow its own branches, SECONDS=60 of the processor each; READERS='study msh' of all
+## fuzz: feed the readers of files, datagrams and pages bytes that are chosen by code coverage, SECONDS=60 of the processor each; READERS='study msh' selects some
 fuzz: | build/deps-sanitize
 	@$(MAKE) SANITIZE=1 $(READERS:%=build/sanitize/fuzz_%)
 	@$(PYTHON) scripts/fuzz --seconds $(SECONDS) $(FUZZ_OPTIONS) $(READERS)
 
-## regress-proof: put five defects into a copy, one at a time; each must turn the regression of paper red
+## regress-proof: put five defects into a copy, one at a time; regress must fail with each
 regress-proof: $(TISSUECTL)
 	@PROOF=paper PYTHON=$(PYTHON) TISSUECTL=$(TISSUECTL) tests/pipeline/test_regress.sh
 
-## hands: hands with mass rest on the study's tissue, tap, drag and let go: what does not come to rest, gets energy or trembles
+## hands: simulated hands with mass rest on the study's tissue, tap, drag and let go; prints which do not come to rest, gain energy or oscillate
 hands: $(R)/model.h5 $(BUILD)/hand_probe
 	@$(BUILD)/hand_probe --stated $<
 
-## benches: the programs of bench, gains, patient and hands, without running them
+## benches: build the programs of bench, gains, patient and hands without running them
 benches: $(BENCHES) $(PROBES)
 
-## bench: our speed beside that of others, as results/bench.json
+## bench: measure the speed of tissuectl and of other programs: results/bench.json
 bench: $(TISSUECTL) $(TISSUE_HAPTIC) $(BENCHES) | build/deps-test
 	@$(MAKE) train STUDY=paper
 	@PYTHON=$(PYTHON) scripts/venv || echo "bench: goes on without its peers" >&2

@@ -115,26 +115,26 @@ def table(measured):
     what = ("Written by `make patient3`. The energy model of `block3-quick`; FE of `block3-quick` with all forces times 1.5, and of `nodule3`," if space else
             "Written by `make patient`. The energy model of `surface-quick`; FE of the studies `patient-NAME`, indentations of 3 to 10 mm, up to 30 degrees off")
     where = "all over the top," if space else "the normal, anywhere on the surface,"
-    lines = ["# Adaptation to target tissues that the model was not trained on" + (", in space" if space else ""), "", what,
+    lines = ["# Adaptation to synthetic target tissues that the model was not trained on" + (", in space" if space else ""), "", what,
              f"{where} with 2 % of noise on each component of force. |model - FE| / |FE| of the contact force",
              f"on about {held_out} test contacts of the same tissue, median / p95 in per cent, after so many measurements; " + ("of one seed of" if space else f"medians over {len(SEEDS)} seeds of"),
-             "order and noise. Field: compared with one scale, the more probable of the two is used; alone: without one scale." +
+             "order and noise. Field: one unknown a node; one scale is estimated too, and the more probable of the two is used. Alone: without one scale." +
              ("" if space else " All measurements at once: the optimum to which the field alone converges, with the same prior."), ""]
     for patient, ways in measured.items():
-        lines += [f"## {patient}: {TISSUES[patient][0]}", "", f"Answered at {fewest(ways)} test contacts or more in every cell; a missing answer is an infinite error.", "", "| | " + " | ".join(map(str, shown)) + " |", "|---|" + "---|" * len(shown)]
+        lines += [f"## {patient}: {TISSUES[patient][0]}", "", f"Answered at {fewest(ways)} test contacts or more in each cell; a missing answer is an infinite error.", "", "| | " + " | ".join(map(str, shown)) + " |", "|---|" + "---|" * len(shown)]
         for way, runs in ways.items():
             lines.append(f"| {way} | " + " | ".join(f"{per_cent(at(runs, n, 'median'))} / {per_cent(at(runs, n, 'p95'))}" for n in shown) + " |")
         lines.append("")
     told = "field" if space else "field, chosen places"
-    lines += ["## Posterior standard deviation", "", f"Test forces inside the region that the filter predicts for 68 % and 95 % of them, in per cent, {told}.", "",
+    lines += ["## Posterior standard deviation", "", f"Part of the test forces, in per cent, that lie inside the filter's predicted regions of 68 % and of 95 % probability; method: {told}.", "",
               "| | " + " | ".join(map(str, shown)) + " |", "|---|" + "---|" * len(shown)]
     for patient, ways in measured.items():
         runs = ways[told]
         lines.append(f"| {patient} | " + " | ".join(f"{100 * at(runs, n, 'inside68'):.0f} / {100 * at(runs, n, 'inside95'):.0f}" for n in shown) + " |")
     runs = [run for ways in measured.values() for run in ways[told]]
     middle = {key: np.median([run[key]["median"] for run in runs]) for key in ("update_ms", "rank_ms") if key in runs[0]}
-    lines += ["", f"An update of the field ({runs[0]['unknowns']} numbers): {middle['update_ms']:.2f} ms" +
-              (f", to choose the next of up to 60 places {middle['rank_ms']:.0f} ms" if "rank_ms" in middle else "") +
+    lines += ["", f"An update of the field ({runs[0]['unknowns']} unknowns): {middle['update_ms']:.2f} ms" +
+              (f", the choice of the next of up to 60 places {middle['rank_ms']:.0f} ms" if "rank_ms" in middle else "") +
               f" (medians over {len(runs)} runs, two at a time).", ""]
     return "\n".join(lines)
 
@@ -153,8 +153,8 @@ def figure(measured):
         axis.set_yticks([1, 2, 5, 10, 20, 50], [1, 2, 5, 10, 20, 50])
         axis.minorticks_off()
         axis.set_title(f"{patient}: {TISSUES[patient][0]}", fontsize=9)
-        axis.set_xlabel("measurements")
-    axes[0, 0].set_ylabel("median error of the test forces (%)")
+        axis.set_xlabel("number of measurements")
+    axes[0, 0].set_ylabel("median indentation error of force, test set (%)")
     axes[0, -1].legend(frameon=False, fontsize=7)
     return fig
 

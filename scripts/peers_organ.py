@@ -15,7 +15,7 @@ import numpy as np  # noqa: E402
 import tissue  # noqa: E402
 from peers_study import SECONDS, ask, off, quantiles, spread, ticks_of  # noqa: E402
 from one_line import read_json  # noqa: E402
-from results import EVALUATION  # noqa: E402
+from results import COLOURS, EVALUATION  # noqa: E402
 from save import save, written  # noqa: E402
 from stored import stored  # noqa: E402
 
@@ -118,7 +118,7 @@ def peer(name, script, time_key, model, organ):
 
 def baselines(evaluation):
     """Rows of the baselines of `tissuectl eval`: errors of force and displacement in per cent."""
-    named = {"untrained": "our energy model, untrained", "heuristic_a_patch": "Van Gelder's springs on our lattice", "uniform_patch": "springs of one stiffness, best at the training contacts"}
+    named = {"untrained": "the energy model before training", "heuristic_a_patch": "Van Gelder's springs on the same lattice", "uniform_patch": "springs of one stiffness, best at the training contacts"}
     held_out = evaluation["drawn"]["held_out"]
     percent = lambda value: np.inf if value is None else 100 * value  # noqa: E731
     return [(words, f"tissuectl {tissue.__version__}", None, np.array([percent(c["error"][key]) for c in held_out]), None,
@@ -130,25 +130,27 @@ def draw(rows, study, out):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 5), layout="constrained", sharey=True)
+    colours = iter(COLOURS[name] for name in ("learned", "heuristic_b", "optimum", "untrained", "heuristic_a", "uniform"))  # Okabe and Ito's
     for name, _, _, force, scaled, shape in rows:
         if shape is None:  # a tick has no displacement at rest
             continue
+        colour = next(colours)
         label, wide = name.replace("*", ""), 2.6 if name.startswith("**") else 1.4
         for axis, errors, line in ((left, force, "-"), (left, scaled[1] if scaled else None, "--"), (right, shape, "-")):
             if errors is None:
                 continue
             x = np.sort(errors)
             axis.step(np.clip(x, 0.5, 1e3), np.arange(1, len(x) + 1) / len(x), line, where="post", linewidth=wide, label=label if line == "-" else f"{label}, times {scaled[0]:.2f}",
-                      color=None if line == "-" else axis.lines[-1].get_color())
+                      color=colour)
     for axis, what in ((left, "force"), (right, "displacement of the free surface")):
         axis.set_xscale("log")
         axis.set_xlim(0.5, 200)
-        axis.set_xlabel(f"error of {what} (%)")
+        axis.set_xlabel(f"indentation error of {what} (%)")
         axis.grid(alpha=0.3)
-    left.set_ylabel("part of the test contacts below")
+    left.set_ylabel("part of the test contacts with at most this error (1)")
     figure.legend(*left.get_legend_handles_labels(), frameon=False, fontsize=8, ncols=2, loc="lower center")
     figure.get_layout_engine().set(rect=(0, 0.2, 1, 0.8))  # space for the legend
-    figure.suptitle(f"{study}: test contacts")
+    figure.suptitle(f"Study {study}: indentation errors at {len(rows[0][3])} contacts of the test set")
     save(figure, out)
 
 
@@ -169,9 +171,9 @@ def main():
     under = [organ.under_disc(c, n, model.disc_radius_m) for c, n in zip(contacts, outward)]
     text = f"""# `{study}` compared with other models
 
-Written by `make peers STUDY={study}`. The {len(contacts)} test contacts with an FE reference ({organ.lost} have none), the same tool displacements, in one run, so that ratios of times are comparable and microseconds less so. Errors in per cent of finite
-elements' force and of the free surface's displacement: median / p95 (n of N). Ours is a lattice of {len(model.nodes) - len(organ.nodes)} nodes, trained in {training["seconds"]:.0f} s on {training["paths"]} paths of finite
-elements; tetrahedra are the {len(organ.tetrahedra)} that the shape was filled with, of {len(organ.nodes)} nodes, and need no training: Young's modulus as ours, Poisson's ratio 0.45, nearer to 1/2 they lock. Their forces are
+Written by `make peers STUDY={study}`. The {len(contacts)} test contacts with an FE reference ({organ.lost} have none), the same tool displacements, in one run. Ratios of times are comparable between machines, microseconds are not. Errors of force and of the
+free surface's displacement are relative to FE, in per cent: median / p95 (n of N). The energy model has a lattice of {len(model.nodes) - len(organ.nodes)} nodes, trained in {training["seconds"]:.0f} s on {training["paths"]} paths of finite
+elements. The tetrahedra are the {len(organ.tetrahedra)} that fill the shape, with {len(organ.nodes)} nodes and without training. They have the same Young's modulus and Poisson's ratio 0.45; nearer to 1/2 they lock. Their forces are
 given unscaled, and scaled by one factor that is fitted to the first {FITTED} validation contacts.
 
 | | version | us | force, % | force times a factor, % | displacement, % |

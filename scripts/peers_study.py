@@ -105,7 +105,7 @@ def main():
         begin = time.perf_counter()
         force, _, _ = model.press([c], [p], threads=1)
         presses.append((1e6 * (time.perf_counter() - begin), force[0]))
-    rows = [("**a tick of the energy model**", f"tissuectl {tissue.__version__}", ticks, 1, off(in_motion, truth), "1 ms; its substeps, safety and contact search included")]
+    rows = [("**a tick of the energy model**", f"tissuectl {tissue.__version__}", ticks, 1, off(in_motion, truth), "1 ms; including its substeps, safety and contact search")]
     mujoco, felupe = ask("peer_mujoco.py", question), ask("peer_felupe_block.py", question)
     if mujoco:
         rows.append(("a step of MuJoCo's flex", f"mujoco {mujoco['version']}", mujoco["step_us"], ticks, off(mujoco["force_N"], truth),
@@ -121,15 +121,15 @@ def main():
     text = f"""# Comparison with other programs
 
 Written by `make peers`. The lattice of `{study}`, {' x '.join(map(str, counts))} nodes, the first {len(truth)} test contacts with an FE reference ({lost} before the last of these have none), the same tool displacements; all in one
-run, so that ratios are comparable and microseconds less so. Time: median / p95 (n), each tick and step separately. Ratio: of medians, over our row above it. Error: |force - FE| / |FE|
-in per cent, median / p95 (n of N), FE being the study's own, on meshes that are finest at the disc (3 mm). None of the others was made for accuracy on springs of
-1 cm: their rows show what a lattice of this size gives without training.
+run. Ratios are comparable between machines, microseconds are not. Time: median / p95 (n), of each tick or step. Ratio: median over the median of tissuectl's row above. Error: |force - FE| / |FE|
+in per cent, median / p95 (n of N), of the study's own FE, on meshes that are finest at the disc (3 mm). The other programs are not made
+for a lattice of 1 cm; their rows show the error of such a lattice without training.
 
 | | version | us | ratio | error of force, % | what differs |
 |---|---|---|---|---|---|
 {table}
 
-{"Not in this run: " + ", ".join(missing) + ". " if missing else ""}CHAI3D's GEL and SOFA are not among the packages that we install (Debian's and PyPI's; conda-forge has SOFA) and were not run; `scripts/peers.md` states what a fair run of them would need.
+{"Not in this run: " + ", ".join(missing) + ". " if missing else ""}CHAI3D's GEL and SOFA are not in Debian or PyPI (conda-forge has SOFA) and were not run; `scripts/peers.md` states what a fair run of them would need.
 """
     print(text)
     with written(out) as beside:

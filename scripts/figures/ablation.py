@@ -1,4 +1,4 @@
-"""Error against FE paths and parameters: ablation.py ABLATION.json OUT.png, from `make ablation`.
+"""Indentation errors against the numbers of FE paths and of parameters: ablation.py ABLATION.json OUT.png, from `make ablation`.
 
 Left: error on the test set against the number of training paths. Right: against the number of parameters.
 """
@@ -18,6 +18,7 @@ from save import save  # noqa: E402
 STATISTICS = {measure: NUMBER_OR_NULL for measure in ("median", "p95", "max")}
 FORM = {"variants": [{"held_out": {"learned": {**STATISTICS, "n": int, "of": int, "shape": STATISTICS}}, "fe_paths": int, "numbers": int}, ...]}
 ERRORS = (("force", "#0072B2"), ("shape", "#D55E00"))
+NAMES = {"force": "contact force", "shape": "displacement"}
 
 
 def error_of(variant, error, measure):
@@ -38,7 +39,7 @@ def draw(axes, variants, key, note):
     for error, colour in ERRORS:
         for measure, style in (("median", "-o"), ("p95", "--o"), ("max", ":o")):
             axes.plot(at, [error_of(v, error, measure) for v in variants], style, color=colour, markersize=4,
-                      label=f"{error}, {measure}")
+                      label=f"{NAMES[error]}, {measure}")
     for v in variants:
         axes.annotate(note(v), (v[key], 0.97), xycoords=("data", "axes fraction"), ha="center", va="top", fontsize=8)
     axes.set_xscale("log")
@@ -61,17 +62,17 @@ def main():
     if not drawn:
         return save(nothing("No model of the ablation has an answer at half of the test contacts"), sys.argv[2])
     figure, (paths, numbers) = plt.subplots(1, 2, figsize=(13, 4.8), layout="constrained", sharey=True)
-    draw(paths, [whole] + [v for v in same if v not in same_paths], "fe_paths", lambda v: f"{v['numbers']} numbers{answered(v)}")
+    draw(paths, [whole] + [v for v in same if v not in same_paths], "fe_paths", lambda v: f"{v['numbers']} parameters{answered(v)}")
     draw(numbers, same_paths, "numbers", answered)
     paths.margins(x=0.08)
-    paths.set_xlabel("FE load paths trained on")
-    paths.set_ylabel("indentation error of force, test set, core range")
+    paths.set_xlabel("number of FE load paths in the training set")
+    paths.set_ylabel("indentation error, test set, core range")
     paths.tick_params(labelleft=True)
-    numbers.set_xlabel(f"parameters of the model, {whole['fe_paths']} paths")
+    numbers.set_xlabel(f"number of parameters of the model, trained on {whole['fe_paths']} load paths")
     numbers.legend(frameon=False, fontsize=8, ncols=2, loc="upper right")
     top = max(drawn)
     paths.set_ylim(top=1.6 * top)  # space for the notes
-    figure.suptitle("What finite elements and numbers buy")
+    figure.suptitle("Indentation errors against the numbers of load paths and of parameters")
     save(figure, sys.argv[2])
 
 

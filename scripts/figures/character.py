@@ -1,15 +1,15 @@
-"""Character of the spring sets (Sec. 3 of the paper) and its cost: distance from the heuristic near the contact and
-elsewhere, difference between neighbouring sets, and least loss against distance."""
+"""How the stiffnesses of spring sets differ (Sec. 3 of the paper): from the heuristic, near the contact and elsewhere;
+between neighbouring sets; and the least loss against the distance from the heuristic."""
 import matplotlib.pyplot as plt
 import numpy as np
 
 from results import COLOURS, LABELS, MARKERS
 
 MEASURES = {
-    "distance_near_E2": "from the heuristic,\nnear the contact",
-    "distance_far_E2": "from the heuristic,\nelsewhere",
-    "magnitude_step_E2": "between\nmagnitudes",
-    "angle_step_E2": "between\nangles",
+    "distance_near_E2": "set and heuristic,\nnear the contact",
+    "distance_far_E2": "set and heuristic,\nelsewhere",
+    "magnitude_step_E2": "sets of\nneighbouring\nmagnitudes",
+    "angle_step_E2": "sets of\nneighbouring\nangles",
 }
 
 
@@ -25,14 +25,14 @@ def draw(results):
             left.plot(place + offset, s["median"], MARKERS.get(name, "o"), color=COLOURS.get(name, "0.4"), markersize=8,
                       label=LABELS.get(name, name) if place == 0 else None)
     left.set_xticks(range(len(MEASURES)), MEASURES.values())
-    left.set_ylabel("root mean square over springs (E2)\nmedian and largest of the sets")
+    left.set_ylabel("rms difference of stiffness over the springs (E2):\nmedian (marker) and largest of the sets")
     left.set_ylim(bottom=0)
     left.legend(frameon=False)
-    left.set_title("How far the sets are from the heuristic and from each other", fontsize=10)
+    left.set_title("Differences of stiffness", fontsize=10)
 
     front = results.evaluation["ridge_front"]
     right.plot([p["distance_E2"] for p in front], [p["rel_loss"] for p in front], "-*", color=COLOURS["optimum"],
-               markersize=9, label="best possible at that distance")
+               markersize=9, label="least loss at that distance (ridge)")
     for name in sets:
         trained = results.trained_by_model[name] if name != "optimum" else None
         if trained is None:
@@ -43,9 +43,9 @@ def draw(results):
     heuristic = results.evaluation["open_loop"]["heuristic_a"]["rel_loss"]["median"]
     right.plot(0, heuristic, MARKERS["heuristic_a"], color=COLOURS["heuristic_a"], markersize=8,
                label=LABELS["heuristic_a"])
-    right.set_xlabel("root mean square of theta - theta0 (E2)")
-    right.set_ylabel("rel_loss, median of the cases")
+    right.set_xlabel("rms difference of stiffness from the heuristic (E2)")
+    right.set_ylabel("nodal-force error (9), median over the cases (1)")
     right.set_ylim(bottom=0)
     right.legend(frameon=False)
-    right.set_title("What staying near the heuristic costs", fontsize=10)
+    right.set_title("Nodal-force error against the distance from the heuristic", fontsize=10)
     return figure

@@ -1,7 +1,7 @@
 """Draws the fixed part and the contacts of a solid shape before any path is solved: contacts.py RESULTS OUT.png.
 
 Reads RESULTS/mesh.msh, plan.mk and plan/collect, which `make mesh` writes. Prints the number of places and load paths
-of each role, and the fixed part of the surface. A contact that tissue hides is not drawn in that view.
+of each role, and the fixed part of the surface. A contact behind the tissue is not drawn in that view.
 """
 import re
 import sys
@@ -114,8 +114,8 @@ def draw(folder, out):
     except ValueError as error:  # text in another encoding, or text that is not a number
         say(folder, error)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
-    counts = {role: f"{role} {len(np.unique(places, axis=0))} places, {len(places)} pushes" for role, places in contacts.items()}
-    share = f"{100 * area[held].sum() / area.sum():.0f} % of the surface is held"
+    counts = {role: f"{role} {len(np.unique(places, axis=0))} places, {len(places)} load paths" for role, places in contacts.items()}
+    share = f"{100 * area[held].sum() / area.sum():.0f} % of the surface is fixed"
     figure, axes = plt.subplots(1, len(VIEWS), figsize=(12, 5.6))
     figure.set_layout_engine("constrained", rect=(0, 0.07, 1, 0.93))  # space for the legend below
     for axis, (title, towards) in zip(axes, VIEWS.items()):

@@ -36,5 +36,5 @@ def draw(results):
     axes[0].set_ylabel("y (mm)")
     axes[0].legend(loc="lower left", framealpha=0.9)
     figure.colorbar(shade, ax=axes, label="displacement |u| (mm)", shrink=0.9)
-    figure.suptitle("Finite elements: displacement under two of the load cases; the arrow is the push")
+    figure.suptitle("Finite elements: displacement in two load cases; the arrow is the tool displacement")
     return figure

@@ -5,9 +5,9 @@ from results import COLOURS, LABELS, MARKERS
 from shape_error import percent_axis
 
 MEASURES = {
-    "rel_loss": "rel_loss (9)",
-    "resolved_force_error": "resolved force at the loaded node",
-    "closed_loop_error": "indentation error: force on the tool",
+    "rel_loss": "nodal-force error, rel_loss (9)",
+    "resolved_force_error": "force at the loaded node, all nodes\nat their FE displacement",
+    "closed_loop_error": "indentation error of contact force",
 }
 
 
@@ -26,7 +26,7 @@ def draw(results):
                       color=COLOURS.get(model, "0.4"), markersize=6, alpha=0.85,
                       label=f"{LABELS.get(model, model)} ({answered[model]})")
         if answers == 0:
-            axis.text(0.5, 0.5, "no answer: see the report", ha="center", transform=axis.transAxes)
+            axis.text(0.5, 0.5, "no model has an answer: see the report", ha="center", transform=axis.transAxes)
         else:
             axis.set_xscale("log")
             axis.axvline(1, color="0.6", linewidth=0.8)
@@ -41,5 +41,5 @@ def draw(results):
     handles, labels = axes[0].get_legend_handles_labels()
     figure.set_layout_engine("constrained", rect=(0, 0.08, 1, 0.92))  # space for the legend
     figure.legend(handles, labels, loc="lower center", ncols=-(-len(labels) // 2), frameon=False)
-    figure.suptitle("Relative error of force, by case; in brackets: how many have an equilibrium")
+    figure.suptitle("Relative errors of force by load case; in brackets: number of cases with an equilibrium")
     return figure

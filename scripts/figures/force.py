@@ -35,12 +35,12 @@ def draw(results):
     for axis in axes.flat[len(curves):]:
         axis.set_visible(False)
     for axis in axes[-1]:
-        axis.set_xlabel("displacement (mm)")
+        axis.set_xlabel("tool displacement (mm)")
     for axis in axes[:, 0]:
-        axis.set_ylabel("resolved force (mN)")
+        axis.set_ylabel("force along the displacement (mN)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.set_layout_engine("constrained", rect=(0, 0.045, 1, 0.955))  # space for the legend
     figure.legend(handles, labels, loc="lower center", ncols=len(labels), frameon=False)
-    figure.suptitle("Force along the push at the loaded node, every node where finite elements have it.\n"
-                    "Between magnitudes the set of the nearest trained magnitude serves (bands)", fontsize=11)
+    figure.suptitle("Force at the loaded node along the tool displacement; all nodes have their FE displacement.\n"
+                    "Bands: the spring set in use, which is that of the nearest trained magnitude", fontsize=11)
     return figure

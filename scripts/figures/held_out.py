@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 import held_out_solid
-from results import COLOURS, how_often, learned_label
+from results import COLOURS, LABELS, how_often, learned_label
 
 ROLES = {"held_out": "core range", "held_out_full": "full range"}
 
@@ -29,25 +29,25 @@ def draw(results):
     depth = np.array([c["depth_m"] for c in contacts]) * 1e3
     where = points + inward * depth[:, None]  # inside the tissue, at the depth of the indentation
     shade = around.scatter(*where.T, c=np.maximum(error, 1e-3), norm=LogNorm(1e-3, 0.3), cmap="viridis", s=16)
-    figure.colorbar(shade, ax=around, label="force error", format=lambda v, _: f"{100 * v:g} %")
+    figure.colorbar(shade, ax=around, label="indentation error of force", format=lambda v, _: f"{100 * v:g} %")
     around.set_aspect("equal")
-    around.set_title("Where: depth of each dot is the length of its push", fontsize=10)
+    around.set_title("Contacts: each dot is below its contact\nby the length of the tool displacement", fontsize=10)
     around.set_xlabel("x (mm)")
     around.set_ylabel("y (mm)")
 
     often = axes[1, 0]
     bins = np.geomspace(1e-4, 2, 45)
     table = "force table" if "measurement" in evaluation else "FE force table"
-    shown = {"learned": learned_label(results), "force_table": table, "uniform": "one stiffness",
-             "heuristic_a": "heuristic, E2 = E t", "untrained": "untrained model"}
+    shown = {"learned": learned_label(results), "force_table": table, "uniform": "springs of one stiffness",
+             "heuristic_a": LABELS["heuristic_a"], "untrained": "untrained model"}
     for model, label in shown.items():
         values, part, count = how_often(evaluation, "held_out", model)
         if len(values):
             often.plot(np.maximum(values, bins[0]), part, color=COLOURS[model], label=f"{label} ({count})")
     often.set_xscale("log")
     often.set_ylim(0, 1.02)
-    often.set_xlabel("force error, core range")
-    often.set_ylabel("share of the contacts below")
+    often.set_xlabel("indentation error of force, core range")
+    often.set_ylabel("part of the contacts with a smaller error (1)")
     often.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
     often.grid(color="0.9")
     often.legend(frameon=False, fontsize=8)
@@ -57,13 +57,13 @@ def draw(results):
                bins=bins, stacked=True, color=["#0072B2", "#56B4E9"], label=[f"{label} ({how_often(evaluation, role, 'learned')[2]})".replace(" ()", "") for role, label in ROLES.items()])
     counts.set_xscale("log")
     counts.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
-    counts.set_xlabel("force error of the trained springs")
-    counts.set_ylabel("contacts")
+    counts.set_xlabel("indentation error of force, trained model")
+    counts.set_ylabel("number of contacts")
     counts.legend(frameon=False)
 
-    for axis, key, scale, label in ((axes[0, 2], "angle_deg", 1, "angle off the inward normal (degrees)"),
-                                    (axes[1, 1], "depth_m", 1e3, "depth (mm)"),
-                                    (axes[1, 2], "arc_m", 1e3, "place along the surface (mm)")):
+    for axis, key, scale, label in ((axes[0, 2], "angle_deg", 1, "angle between tool displacement and inward normal (degrees)"),
+                                    (axes[1, 1], "depth_m", 1e3, "tool displacement (mm)"),
+                                    (axes[1, 2], "arc_m", 1e3, "place along the surface, arc length (mm)")):
         for role, colour in zip(ROLES, ("#0072B2", "#56B4E9")):
             axis.plot([c[key] * scale for c in drawn[role]],
                       [max(c["error"]["learned"], bins[0]) for c in drawn[role]], ".", color=colour, markersize=5,
@@ -71,10 +71,10 @@ def draw(results):
         axis.set_yscale("log")
         axis.yaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
         axis.set_xlabel(label)
-        axis.set_ylabel("force error")
+        axis.set_ylabel("indentation error of force")
         axis.grid(color="0.9")
     for corner in results.corner_arcs():
         axes[1, 2].axvline(corner * 1e3, color="0.6", linestyle=":", linewidth=1)
     axes[1, 2].legend(framealpha=0.9)  # nearly opaque: the legend's markers are not data
-    figure.suptitle("Test set: indentation error of the force on the tool")
+    figure.suptitle("Indentation error of contact force at the contacts of the test set")
     return figure

@@ -1,4 +1,4 @@
-"""Tissue in space: indentation error of force at the contacts of the test set. Seen from above on the surface; its
+"""Tissue in space: indentation error of force at the contacts of the test set: on the surface from above; its
 distribution; against tilt, depth and distance from the nearest wall (of a shape: height)."""
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,7 +11,7 @@ MM = 1e3
 ROLES = {"held_out": ("core range", "o", "#0072B2"), "held_out_near": ("near a wall", "s", "#E69F00"),
          "held_out_sideways": ("sideways", "D", "#CC79A7")}
 SHOWN = {"learned": None, "force_table": "FE force table", "untrained": "untrained model",
-         "heuristic_a": "heuristic springs alone", "uniform": "one stiffness alone"}
+         "heuristic_a": "Van Gelder's springs alone", "uniform": "springs of one stiffness alone"}
 LOWEST = 1e-3  # lower limit of the logarithmic axes
 
 
@@ -30,15 +30,15 @@ def draw(results):
         often(axis, results, role)
         models.update(zip(*reversed(axis.get_legend_handles_labels())))
     figure.legend(models.values(), models.keys(), loc="lower right", bbox_to_anchor=(0.97, 0.03), ncols=5, frameon=False,
-                  title="above, force error of:")
+                  title="distributions above:")
     low, high = results.nodes[:, :2].min(axis=0), results.nodes[:, :2].max(axis=0)
     to_wall = lambda c: MM * min(np.min(c["contact_m"][:2] - low), np.min(high - c["contact_m"][:2]))
-    for column, (value, label) in enumerate(((lambda c: c["angle_deg"], "tilt off straight in (degrees)"),
-                                             (lambda c: MM * c["depth_m"], "depth of the push (mm)"),
+    for column, (value, label) in enumerate(((lambda c: c["angle_deg"], "angle between tool displacement and inward normal (degrees)"),
+                                             (lambda c: MM * c["depth_m"], "tool displacement (mm)"),
                                              (to_wall, "distance from the nearest wall (mm)") if results.is_block else
                                              (lambda c: MM * c["contact_m"][2], "height of the contact (mm)")), 1):
         against(figure.add_subplot(grid[1, column]), results, drawn, value, label)
-    figure.suptitle("Test set: indentation error of the force on the tool")
+    figure.suptitle("Indentation error of contact force at the contacts of the test set")
     return figure
 
 
@@ -60,12 +60,12 @@ def from_above(figure, axis, results, drawn):
         error = np.array([c["error"]["learned"] for c in drawn[role]])
         axis.scatter(*place.T, c=np.maximum(error, LOWEST), norm=shade.norm, cmap="viridis", marker=marker,
                      s=44, edgecolors="black", linewidths=0.4, zorder=3)
-    figure.colorbar(shade, ax=axis, label="force error of the trained model", format=lambda v, _: f"{100 * v:g} %",
+    figure.colorbar(shade, ax=axis, label="indentation error of force, trained model", format=lambda v, _: f"{100 * v:g} %",
                     location="bottom", shrink=0.8, aspect=35)
     handles = [Line2D([], [], color="0.6", marker=marker, linestyle="", markeredgecolor="black", label=f"{label} ({how_often(results.evaluation, role, 'learned')[2]})")
                for role, (label, marker, _) in ROLES.items() if drawn[role]]
     handles += [Line2D([], [], color="black", marker="x", linestyle="", label="training contacts"),
-                Line2D([], [], color="0.25", label="sideways part of the push"),
+                Line2D([], [], color="0.25", label="tangential part of the tool displacement"),
                 Line2D([], [], color="0.85", label="edges of the surface")]
     axis.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize=9)
     axis.set_aspect("equal")
@@ -86,9 +86,9 @@ def often(axis, results, role):
     axis.set_xlim(LOWEST / 4, 2)
     axis.set_ylim(0, 1.02)
     axis.xaxis.set_major_formatter(lambda v, _: f"{100 * v:g} %")
-    axis.set_title(f"How often: {ROLES[role][0]} ({count})", fontsize=10)
-    axis.set_xlabel("force error")
-    axis.set_ylabel("share of the contacts at or below")
+    axis.set_title(f"Distribution, {ROLES[role][0]} ({count})", fontsize=10)
+    axis.set_xlabel("indentation error of force")
+    axis.set_ylabel("part of the contacts with at most this error (1)")
     axis.grid(color="0.9")
 
 
@@ -104,6 +104,6 @@ def against(axis, results, drawn, value, label):
     axis.yaxis.set_minor_formatter(lambda v, _: f"{100 * v:g} %" if f"{v:.0e}"[0] in "25" else "")
     axis.tick_params(axis="y", which="minor", labelsize=7)
     axis.set_xlabel(label)
-    axis.set_ylabel("force error of the trained model")
+    axis.set_ylabel("indentation error of force, trained model")
     axis.grid(color="0.9")
     axis.legend(frameon=False, fontsize=8)

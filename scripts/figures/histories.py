@@ -11,7 +11,7 @@ from results import COLOURS, nothing, truth_label
 def draw(results):
     histories = results.evaluation["histories"]
     if "each" not in histories:
-        return nothing("Finite elements lost all held-out histories")
+        return nothing("No displacement history of the test set has an FE reference")
     groups = list(dict.fromkeys(h["group"] for h in histories["each"]))  # groups with an FE reference
     columns = min(2, len(groups))
     rows = -(-len(groups) // columns)
@@ -20,19 +20,19 @@ def draw(results):
         history = middle([h for h in histories["each"] if h["group"] == group])
         t = np.array(history["time_s"])
         axis.plot(t, history["fe_N"], color=COLOURS["fe"], linewidth=2.4, label=truth_label(results))
-        axis.plot(t, history["best_factor_N"], ":", color=COLOURS["uniform"], linewidth=1.8, label="elastic, best factor")
+        axis.plot(t, history["best_factor_N"], ":", color=COLOURS["uniform"], linewidth=1.8, label="elastic model, best factor")
         axis.plot(t, history["learned_N"], color=COLOURS["learned"], linewidth=1.2, label="trained model")
         axis.axhline(0, color="0.8", linewidth=0.8, zorder=0)
         off, found = history["error"]["learned"]["rms"], histories["groups"][group]["learned"]["rms"]
-        axis.set_title(f"{group} ({found['n']} of {found['of']}): {history['name']}, " + ("no answer" if off is None else f"off by {100 * off:.1f} %"), fontsize=9)
+        axis.set_title(f"{group} ({found['n']} of {found['of']}): {history['name']}, " + ("no answer" if off is None else f"rms error {100 * off:.1f} %"), fontsize=9)
         axis.set_xlim(0, t[-1])
         axis.set_xlabel("time (s)")
-        axis.set_ylabel("force along the push (N)")
+        axis.set_ylabel("force along the displacement (N)")
     for axis in axes.flat[len(groups):]:
         axis.set_visible(False)
     axes[0, 0].legend(frameon=False, fontsize=8)
-    alone = "at contacts that no history was fitted at" if results.evaluation.get("measurement") else "that nothing was trained on"
-    figure.suptitle(f"Histories {alone}; of each group the one with the median error")
+    alone = "at contacts without a history of the training set" if results.evaluation.get("measurement") else "of the test set"
+    figure.suptitle(f"Force over displacement histories {alone}; of each group the history with the median error")
     return figure
 
 

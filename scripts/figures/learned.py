@@ -4,7 +4,7 @@ standard deviation.
     scripts/figures/learned.py OUT.png MODEL.h5 [MODEL.h5 ...] [--truth X Y RADIUS]
 
 One column for each model of `tissuectl adapt` (or `tissue-haptic --learn`) with unknowns `field`: above the factor,
-below the posterior standard deviation of its logarithm. --truth: a circle in mm, the outline of a known inclusion.
+below the posterior standard deviation of its logarithm. --truth: the outline of a known inclusion, a circle.
 """
 import argparse
 
@@ -43,18 +43,20 @@ def draw(files, truth=None):
         above, below = axes[:, column]
         stiffness = above.tripcolor(*(1e3 * nodes.T), triangles, factor, shading="gouraud", cmap="RdBu_r", norm=LogNorm(1 / most, most))
         unsure = below.tripcolor(*(1e3 * nodes.T), triangles, sd, shading="gouraud", cmap="Greys", vmin=0, vmax=0.6)
-        above.set_title(f"{pokes} measurements", fontsize=10)
+        above.set_title(f"after {pokes} measurements", fontsize=10)
         for axis in (above, below):
             axis.set_aspect("equal")
             axis.tick_params(labelsize=8)
             if truth:
                 axis.add_patch(plt.Circle(truth[:2], truth[2], fill=False, linestyle="--", linewidth=1.2, color="0.15"))
-        below.set_xlabel("mm", fontsize=8)
+        below.set_xlabel("x (mm)", fontsize=8)
+    for axis in axes[:, 0]:
+        axis.set_ylabel("y (mm)", fontsize=8)
     ticks = [t for t in (0.2, 0.33, 0.5, 0.7, 1, 1.4, 2, 3, 5) if 1 / most <= t <= most]
-    bar = figure.colorbar(stiffness, ax=axes[0, :], label="times as stiff as trained")
+    bar = figure.colorbar(stiffness, ax=axes[0, :], label="stiffness over that of the trained model (1)")
     bar.set_ticks(ticks, labels=[f"{t:g}" for t in ticks])
     bar.minorticks_off()
-    figure.colorbar(unsure, ax=axes[1, :], label="sd of its logarithm")
+    figure.colorbar(unsure, ax=axes[1, :], label="posterior standard deviation of its logarithm (1)")
     return figure
 
 
@@ -62,7 +64,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("out", metavar="OUT.png")
     parser.add_argument("models", nargs="+", metavar="MODEL.h5")
-    parser.add_argument("--truth", nargs=3, type=float, metavar=("X", "Y", "RADIUS"), help="mm")
+    parser.add_argument("--truth", nargs=3, type=float, metavar=("X", "Y", "RADIUS"), help="centre and radius of the inclusion, mm")
     options = parser.parse_args()
     save(draw(options.models, options.truth), options.out)
 

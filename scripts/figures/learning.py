@@ -32,6 +32,6 @@ def draw(results):
         axis.set_title(f"{LABELS.get(model, model)}: {len(curves)} sets")
         axis.set_xlabel("iteration")
         axis.legend(frameon=False)
-    axes[0, 0].set_ylabel("loss (9) over the weighted FE force")
+    axes[0, 0].set_ylabel("nodal-force error: loss (9) over the weighted FE force (1)")
     axes[0, 0].set_ylim(bottom=0)
     return figure

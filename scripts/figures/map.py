@@ -13,7 +13,7 @@ MM, MN = 1e3, 1e3
 def draw(results):
     found = results.evaluation["map"]
     if "places" not in found:
-        return nothing("Finite elements lost all pushes of the map")
+        return nothing("No indentation of the map has an FE reference")
     at = np.array([p["contact_m"][:2] for p in found["places"]])
     x, y = np.unique(at[:, 0].round(9)), np.unique(at[:, 1].round(9))
     values = np.full((2, len(y), len(x)), np.nan)
@@ -30,15 +30,15 @@ def draw(results):
     shade = shaded(axes[0], x, y, fe, **force)
     shaded(axes[1], x, y, law, **force)
     away = shaded(axes[2], x, y, off, cmap="RdBu_r", vmin=-most, vmax=most)
-    for axis, title in zip(axes, ("Finite elements", learned_label(results).capitalize(), "Model over finite elements")):
+    for axis, title in zip(axes, ("Finite elements", learned_label(results).capitalize(), "Difference of the forces")):
         axis.plot(*MM * at.T, ".", color="black", markersize=3, zorder=3, clip_on=False)
         outline(axis, results.ground)
         axis.set(aspect="equal", title=title, xlabel="x (mm), the surface from above")
     axes[0].set_ylabel("y (mm)")
-    figure.colorbar(shade, ax=axes[:2], label="force along the push (mN)", location="bottom", shrink=0.6, aspect=40)
-    figure.colorbar(away, ax=axes[2], label="difference", format=lambda v, _: f"{v:g} %", ticks=MaxNLocator(5), location="bottom", shrink=0.9)
+    figure.colorbar(shade, ax=axes[:2], label="force along the displacement (mN)", location="bottom", shrink=0.6, aspect=40)
+    figure.colorbar(away, ax=axes[2], label="(model - FE) / FE", format=lambda v, _: f"{v:g} %", ticks=MaxNLocator(5), location="bottom", shrink=0.9)
     mirrored = " or at their mirror images" if values.shape[1] * values.shape[2] > len(at) else ""
-    figure.suptitle(f"Straight pushes of {MM * found['depth_m']:g} mm at the dots{mirrored}, none of them a load case of the training" + contrast(found))
+    figure.suptitle(f"Indentations of {MM * found['depth_m']:g} mm straight down at the dots{mirrored}; none is in the training set" + contrast(found))
     return figure
 
 
@@ -81,4 +81,4 @@ def contrast(found):
         return ""
     c = found["contrast"]
     learned = "no answer" if c["learned"] is None else f"{c['learned']:.3f}"
-    return f"\nForce above the middle of the inclusion / far away: finite elements {c['fe']:.3f}, model {learned}"
+    return f"\nForce above the centre of the inclusion over the force far from it: finite elements {c['fe']:.3f}, model {learned}"

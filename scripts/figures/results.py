@@ -23,13 +23,13 @@ MARKERS = {"learned": "o", "learned_spsa_2008": "s", "optimum": "*", "heuristic_
            "uniform": "D"}
 LABELS = {
     "fe": "finite elements",
-    "learned": "learned (spsa)",
-    "learned_spsa_2008": "learned (spsa-2008)",
+    "learned": "trained (spsa)",
+    "learned_spsa_2008": "trained (spsa-2008)",
     "optimum": "certified optimum",
-    "heuristic_a": "heuristic, E2 = E t",
-    "heuristic_b": "heuristic, E2 = (C1 + C2) t",
-    "uniform": "one stiffness",
-    "one_set": "one learned set for all cases",
+    "heuristic_a": "Van Gelder, E2 = E t",
+    "heuristic_b": "Van Gelder, E2 = (C1 + C2) t",
+    "uniform": "springs of one stiffness",
+    "one_set": "one trained set for all cases",
 }
 
 # form of eval.json (results/FORMATS.md), as far as figures and page use it
@@ -110,8 +110,8 @@ def nothing(words):
 
 
 def learned_label(results):
-    """Legend label of the learned springs: one energy model, or spring sets of which the nearest is used."""
-    return "trained model" if "terms" in results.evaluation["training"] else "trained, nearest set"
+    """Legend label of the trained model: an energy model, or spring sets of which the nearest is used."""
+    return "trained model" if "terms" in results.evaluation["training"] else "trained, nearest spring set"
 
 
 def load(folder):

@@ -1,5 +1,5 @@
 """Deformed tissue at the contacts of the test set with the median and the largest displacement error, finite elements
-over the learned springs; and displacement error against force error at every contact of the test set."""
+over the model; and displacement error against force error at every contact of the test set."""
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -21,7 +21,7 @@ def draw(results):
         c = contacts[shape["name"]]
         outlines(axis, results, results.paths[shape["name"]], np.array(shape["displacement_m"]))
         axis.set_title(f"{which_of(shape, contacts)}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
-                       f"{1e3 * c['depth_m']:.1f} mm deep, {round(c['angle_deg'])} degrees off the normal", fontsize=10)
+                       f"{1e3 * c['depth_m']:.1f} mm of tool displacement, {round(c['angle_deg'])} degrees from the normal", fontsize=10)
     for axis in axes[len(shapes):2]:
         axis.set_visible(False)
     if shapes:
@@ -29,7 +29,7 @@ def draw(results):
         figure.legend(*axes[0].get_legend_handles_labels(), loc="lower left", bbox_to_anchor=(0.1, 0), ncols=4, frameon=False)
 
     force_and_shape(axes[2], results, contacts, shapes)
-    figure.suptitle("Deformed tissue while the tool is held, finite elements and springs")
+    figure.suptitle("Deformed tissue in equilibrium with the displaced tool: finite elements and model")
     return figure
 
 
@@ -43,7 +43,7 @@ def outlines(axis, results, path, displacement):
     axis.plot(*fe[loop].T, color=COLOURS["fe"], linewidth=2, label="finite elements")
     axis.plot(*model[loop].T, color=COLOURS["learned"], linewidth=1.5, linestyle="--", label=learned_label(results))
     axis.add_collection(LineCollection(np.stack([fe, model], axis=1), colors=COLOURS["heuristic_a"], linewidths=1,
-                                       label="difference at every node"))
+                                       label="difference at each node"))
     axis.plot(*fe.T, ".", color=COLOURS["fe"], markersize=2)
     start = path.contact * MM
     axis.annotate("", start + path.direction * path.magnitude[-1] * MM, start, zorder=3, annotation_clip=False,

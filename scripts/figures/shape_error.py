@@ -1,10 +1,10 @@
 """Displacement error against force error at every contact of the test set, for each model."""
 import numpy as np
 
-from results import COLOURS, learned_label
+from results import COLOURS, LABELS, learned_label
 
-SHOWN = {"uniform": "one stiffness", "heuristic_a": "heuristic, E2 = E t"}
-SHOWN_OF_SOLIDS = {"uniform_patch": "springs of one stiffness alone", "heuristic_a_patch": "heuristic springs alone",
+SHOWN = {"uniform": LABELS["uniform"], "heuristic_a": LABELS["heuristic_a"]}
+SHOWN_OF_SOLIDS = {"uniform_patch": "springs of one stiffness alone", "heuristic_a_patch": "Van Gelder's springs alone",
                    "untrained": "untrained model"}
 
 
@@ -38,14 +38,14 @@ def force_and_shape(errors, results, contacts, shapes):
             errors.scatter(*both.T, s=16 if model == "learned" else 8, color=COLOURS[model.removesuffix("_patch")], alpha=0.8, linewidths=0, label=f"{label} ({len(both)} of {results.evaluation['closed_loop']['held_out'][model]['of']})")
     shown = [contacts[shape["name"]] for shape in shapes]
     errors.scatter([c["error"]["learned"] for c in shown], [c["shape"]["learned"] for c in shown], s=70,
-                   facecolors="none", edgecolors="black", label="the two on the left")
+                   facecolors="none", edgecolors="black", label="the contacts on the left")
     errors.set_xscale("log")
     errors.set_yscale("log")
     for axis in (errors.xaxis, errors.yaxis):
         percent_axis(axis)
     errors.tick_params(axis="both", which="minor", labelsize=7)
-    errors.set_xlabel("force error")
-    errors.set_ylabel("displacement error: rms of u - u_fe over rms of u_fe")
+    errors.set_xlabel("indentation error of force")
+    errors.set_ylabel("indentation error of displacement: rms of u - u_fe over rms of u_fe")
     errors.grid(color="0.9")
     errors.legend(frameon=False, fontsize=8)
     errors.set_title("All contacts of the test set", fontsize=10)

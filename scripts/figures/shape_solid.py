@@ -23,13 +23,13 @@ def draw(results):
         fe, model = path.displacement[-1], np.array(shape["displacement_m"])
         draw_section(section, results, path, cut, fe, model)
         section.set_title(f"{which_of(shape, contacts)}, {percent(c['shape']['learned'])} (force {percent(c['error']['learned'])}):\n"
-                          f"{MM * c['depth_m']:.1f} mm deep, {round(c['angle_deg'])} degrees off straight in", fontsize=10)
+                          f"{MM * c['depth_m']:.1f} mm of tool displacement, {round(c['angle_deg'])} degrees from the normal", fontsize=10)
         draw_profile(profile, results, cut, fe, model)
     if shapes:
         figure.set_layout_engine("constrained", rect=(0, 0.05, 1, 0.95))  # space for the legend
         figure.legend(*section.get_legend_handles_labels(), loc="lower left", bbox_to_anchor=(0.15, 0), ncols=4, frameon=False)
     force_and_shape(figure.add_subplot(grid[:, 2]), results, contacts, shapes)
-    figure.suptitle("Deformed tissue while the tool is held, finite elements and springs")
+    figure.suptitle("Deformed tissue in equilibrium with the displaced tool: finite elements and model")
     return figure
 
 
@@ -79,7 +79,7 @@ def draw_section(axis, results, path, cut, fe, model):
     start = MM * path.contact[[along, 2]]
     axis.annotate("", start + MM * path.direction[[along, 2]] * path.magnitude[-1], start, zorder=3, annotation_clip=False,
                   arrowprops={"arrowstyle": "-|>", "color": "#009E73", "linewidth": 2})
-    axis.plot([], [], color="#009E73", label="the push")
+    axis.plot([], [], color="#009E73", label="tool displacement")
     axis.autoscale_view()
     axis.margins(0.04)
     axis.set_aspect("equal")
@@ -91,7 +91,7 @@ def draw_section(axis, results, path, cut, fe, model):
 def draw_profile(axis, results, cut, fe, model):
     along = cut.along
     place = MM * cut.at(results.nodes)[cut.top, along]
-    for component, colour, label in ((2, "#D55E00", "up"), (along, "#009E73", f"along {'xy'[along]}")):
+    for component, colour, label in ((2, "#D55E00", "upwards"), (along, "#009E73", f"along {'xy'[along]}")):
         axis.plot(place, MM * cut.at(fe)[cut.top, component], color=colour, linewidth=1.8, label=f"{label}: finite elements")
         axis.plot(place, MM * cut.at(model)[cut.top, component], "o--", color=colour, markersize=3.5, markerfacecolor="white", linewidth=1,
                   label=f"{label}: {learned_label(results)}")

@@ -31,7 +31,7 @@ def draw(results):
     for axis, u, value, bounds, cmap, title, label in (
             (axes[0], fe, np.linalg.norm(fe, axis=1), same, "viridis", "Finite elements", "displacement |u| (mm)"),
             (axes[1], model, np.linalg.norm(model, axis=1), same, "viridis", learned_label(results).capitalize(), "displacement |u| (mm)"),
-            (axes[2], model, away, levels(away[shown].max()), "magma_r", "Between the two", "|u - u_fe| (mm)")):
+            (axes[2], model, away, levels(away[shown].max()), "magma_r", "Difference of the displacements", "|u - u_fe| (mm)")):
         block(axis, results, facets, u, value, bounds, cmap)
         start, end = project(MM * np.stack([path.contact, path.contact + path.magnitude[-1] * path.direction]))[0]
         tail = start - 2.2 * (end - start)
@@ -43,10 +43,10 @@ def draw(results):
     size = MM * np.ptp(results.nodes, axis=0)
     x, y, _ = MM * path.contact
     figure.suptitle(f"Contact of the test set with the {which_of(shape, contacts).lower()}, {percent(contact['shape']['learned'])} "
-                    f"(force {percent(contact['error']['learned'])}): {MM * contact['depth_m']:.1f} mm deep, {round(contact['angle_deg'])} degrees "
-                    f"off straight in, at x = {x:.0f} mm, y = {y:.0f} mm\n"
-                    f"{'Block' if results.is_block else 'Shape'} of {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm cut open at y = {cut_mm:.0f} mm; true displacements; "
-                    f"the arrow is the push, lengthened", fontsize=11)
+                    f"(force {percent(contact['error']['learned'])}): {MM * contact['depth_m']:.1f} mm of tool displacement, {round(contact['angle_deg'])} degrees "
+                    f"from the normal, at x = {x:.0f} mm, y = {y:.0f} mm\n"
+                    f"{'Block' if results.is_block else 'Shape'} of {size[0]:.0f} x {size[1]:.0f} x {size[2]:.0f} mm cut at y = {cut_mm:.0f} mm; displacements to scale; "
+                    f"the arrow has the direction of the tool displacement", fontsize=11)
     return figure
 
 

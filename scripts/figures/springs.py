@@ -1,4 +1,4 @@
-"""Fig. 6 of the paper: the spring mesh of two load cases, coloured by learned stiffness in units of E2 = E t."""
+"""Fig. 6 of the paper: the spring mesh of two load cases, coloured by trained stiffness in units of E2 = E t."""
 import matplotlib.pyplot as plt
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LogNorm
@@ -24,6 +24,6 @@ def draw(results):
         axis.set_title(title_of_case(results, case))
         axis.set_xlabel("x (mm)")
     axes[0].set_ylabel("y (mm)")
-    figure.colorbar(lines, ax=axes, label="stiffness theta / E2", shrink=0.9)
-    figure.suptitle("Learned spring sets at rest; the arrow shows contact and push")
+    figure.colorbar(lines, ax=axes, label="stiffness theta / E2 (1)", shrink=0.9)
+    figure.suptitle("Trained spring sets at rest; the arrow has the contact and the direction of the tool displacement")
     return figure

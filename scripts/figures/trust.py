@@ -55,19 +55,19 @@ def main():
             reach.plot([e[0] for e in ends], [e[1] for e in ends], "-o", color=colour, label=f"{mesh} mm",
                        markersize=4)
         reach.axhline(15, color="0.6", linestyle=":", linewidth=1)
-        reach.text(44, 15.2, "deepest push of our studies", ha="right", fontsize=8, color="0.4")
+        reach.text(44, 15.2, "largest tool displacement of the studies", ha="right", fontsize=8, color="0.4")
         force.set_title(formulation.replace("-", " "))
-        force.set_xlabel("push (mm)")
-        reach.set_xlabel("angle off the inward normal (degrees; negative: towards the fixed edge)")
+        force.set_xlabel("tool displacement (mm)")
+        reach.set_xlabel("angle from the inward normal (degrees;\nnegative: towards the fixed edge)")
         reach.set_ylim(0, 21)
     for angle, style in SHOWN.items():
         axes[0, 0].plot([], [], style, color="0.3", label=f"{angle:+d} degrees" if angle else "normal")
     axes[0, 0].plot([], [], "x", color="0.3", label="the path ends")
     axes[0, 0].legend(frameon=False)
-    axes[0, 0].set_ylabel("force along the push, t = 1 mm (mN)")
-    axes[1, 0].set_ylabel("deepest state reached, to 20 mm (mm)")
-    axes[1, 1].legend(title="elements at the patch ends", frameon=False, loc="lower right")
-    figure.suptitle("Finite elements meshed ever finer agree on the force, but fold ever earlier at the patch's ends")
+    axes[0, 0].set_ylabel("force along the displacement, t = 1 mm (mN)")
+    axes[1, 0].set_ylabel("largest displacement with a solution,\nof 20 mm (mm)")
+    axes[1, 1].legend(title="element size at the ends of the patch", frameon=False, loc="lower right")
+    figure.suptitle("The finer the mesh, the smaller the displacement at which the surface folds at the ends of the patch; the force converges")
     save(figure, sys.argv[2])
 
 

@@ -23,12 +23,12 @@ def draw(measured):
             left.plot([S] * len(own), own[:, 3], marker, color=COLOURS[n], markersize=5, alpha=0.6)
             predicted = iterations_of(step_rule(without(points, n)), n, np.median(own[:, 1]), topology)
             left.plot(S, predicted, "_", color="black", markersize=18, markeredgewidth=1.6,
-                      label="predicted without that lattice" if (n, topology) == (6, "grid4") else None)
+                      label="predicted from the other lattices" if (n, topology) == (6, "grid4") else None)
         left.plot([], [], marker, color="0.4", label=f"{topology}, {MESHES[topology]}")
     left.axhline(20000, color="0.6", linewidth=0.8, linestyle=":")
     left.text(60, 22000, "20,000", fontsize=8, color="0.4")
-    left.set(xscale="log", yscale="log", xlabel="springs", ylabel="iterations to gap <= 2 %")
-    left.set_title("spsa: how long it takes", fontsize=10)
+    left.set(xscale="log", yscale="log", xlabel="number of springs", ylabel="iterations until the gap is <= 2 %")
+    left.set_title("spsa: number of iterations", fontsize=10)
     left.legend(frameon=False, fontsize=8, loc="upper left")
     left.set_ylim(top=3e6)
 
@@ -39,10 +39,10 @@ def draw(measured):
             axis.plot(STEPS, curve, "-o", color=COLOURS[n], markersize=3.5, linewidth=1.4, label=f"{n} nodes a side")
             step = float(np.exp(np.mean(np.log(table[n][:, 1]))))
             axis.plot(step, at_step(curve, step), "X", color=COLOURS[n], markersize=10, markeredgecolor="black")
-        axis.plot([], [], "X", color="0.7", markersize=9, markeredgecolor="black", label="predicted without that lattice")
+        axis.plot([], [], "X", color="0.7", markersize=9, markeredgecolor="black", label="predicted from the other lattices")
         axis.set(xscale="log", xlabel="first step (E2)", ylim=(0, 1))
-        axis.set_title(f"spsa-2008, {topology}: what {BUDGET:,} iterations leave", fontsize=10)
-    axes[1].set_ylabel("share of the reducible loss left")
+        axis.set_title(f"spsa-2008, {topology}: after {BUDGET:,} iterations", fontsize=10)
+    axes[1].set_ylabel("remaining part of the reducible loss (1)")
     axes[1].legend(frameon=False, fontsize=8)
 
     right = axes[3]
@@ -50,12 +50,12 @@ def draw(measured):
         for block, style in ((PATCH, "-o"), (4, ":o")):
             ratio = [np.divide(*(v[0] for v in q_ratios(measured, "grid4", n, half_block(block, n), far))) for far in FARS]
             right.plot(FARS, ratio, style, color=COLOURS[n], markersize=3.5, linewidth=1.4)
-    right.plot([], [], "-", color="0.4", label="high on the nodes that carry the patch")
-    right.plot([], [], ":", color="0.4", label="high on 9 x 9 nodes")
+    right.plot([], [], "-", color="0.4", label="full weight on the nodes that carry the patch")
+    right.plot([], [], ":", color="0.4", label="full weight on 9 x 9 nodes")
     right.axhline(1, color="0.7", linewidth=0.8)
-    right.set(xscale="log", xlabel="weight of all other nodes (the paper's = 1)", ylim=(0, None))
+    right.set(xscale="log", xlabel="weight of all other nodes, over the paper's (1)", ylim=(0, None))
     right.invert_xaxis()
-    right.set_ylabel("resolved force error, over the paper's Q")
+    right.set_ylabel("resolved force error, over that with the paper's Q (1)")
     right.set_title("Q, grid4: the certified optimum", fontsize=10)
     right.legend(frameon=False, fontsize=8)
     return figure

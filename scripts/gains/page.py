@@ -80,21 +80,21 @@ def rule_lines(measured):
     for t in MESHES:
         curves = gain_points(measured, t)
         yield (f"`spsa-2008`, {t}: first step = {np.exp(gain_rule(curves, 'one')[0]):.2g} E2 (K/{BUDGET})^-{exponent:.2f} "
-               "for K iterations, whatever n and d: the least regret. The best steps themselves follow "
-               f"{power_law(gain_rule(curves, 'n, d'), ' E2')} at K = {BUDGET}. The best step then leaves {power_law(left_rule(curves))} of the reducible loss.")
+               "for K iterations, for all n and d; it minimises the largest loss above that of the best step. The best steps themselves follow "
+               f"{power_law(gain_rule(curves, 'n, d'), ' E2')} at K = {BUDGET}. With the best step there remains {power_law(left_rule(curves))} of the reducible loss.")
     at_end = sum(step == STEPS[0] for *_, step in budget_exponent(measured)[1])
     if at_end:
         yield (f"The exponent of K is from grid4, n = 11 and 21, K = 1000, {BUDGET} and 20000; {at_end} of the 12 best steps "
-               f"lie at the shortest one tried, {STEPS[0]:g} E2, so it may well be larger.")
+               f"are the shortest one tried, {STEPS[0]:g} E2, so the exponent may be larger.")
     usual, tenth, hundredth = (at_step(left_over(measured[name], perturbation=c), one_step(measured)) for name, c in
                                (("gains-grid4-11", 1), ("perturbation-grid4-11", 0.1), ("perturbation-grid4-11", 0.01)))
-    yield (f"Its perturbation c = E2, the paper's limit: at that step, on grid4 with n = 11, it leaves {percent(usual)}, "
-           f"E2/10 and E2/100 leave {percent(tenth)} and {percent(hundredth)}. The paper's lower bound, E2/750, is never "
+    yield (f"Its perturbation c = E2, the paper's limit: at that step, on grid4 with n = 11, {percent(usual)} of the reducible loss remain; "
+           f"with E2/10 and E2/100, {percent(tenth)} and {percent(hundredth)}. The paper's lower bound, E2/750, is never "
            "reached: c falls as k^-0.101.")
     for t in MESHES:
         block, far = q_rule(measured, t, q_lattices(measured, t))
         if far == 1:
-            yield f"Q, {t}: the paper's will do."
+            yield f"Q, {t}: the paper's."
         else:
             where = "the block of nodes that carry the indenter" if block == PATCH else f"{in_words(block)} nodes"
             yield f"Q, {t}: the paper's weights on {where}, {far:g} times the paper's on all others."
@@ -114,9 +114,9 @@ def misses(measured):
         for kind, words in (("one", "one step for all"), ("n, d", "a step by n and d")):
             rows = np.concatenate(list(gain_table(measured, t, kind).values()))
             yield (f"{t}, {words}: the best was {min(rows[:, 0] / rows[:, 1]):.2f} to {max(rows[:, 0] / rows[:, 1]):.2f} "
-                   f"times the predicted; the predicted leaves {100 * np.median(rows[:, 3] - rows[:, 2]):.1f} points more of the "
+                   f"times the predicted; with the predicted one the remaining loss is larger by {100 * np.median(rows[:, 3] - rows[:, 2]):.1f} points of the "
                    f"reducible loss (median; {100 * np.max(rows[:, 3] - rows[:, 2]):.1f} at worst).")
-        yield f"{t}: what the best step leaves was {min(left):.2f} to {max(left):.2f} times the predicted."
+        yield f"{t}: the loss that remains with the best step was {min(left):.2f} to {max(left):.2f} times the predicted."
 
 
 def paragraph(text, bullet=""):
@@ -129,35 +129,35 @@ def page(measured):
     blocks = [
         "# Gains, iterations and Q as functions of mesh size and displacement", "",
         paragraph(
-            "Written by `make gains`. The same tissue, the same FE (2.5 mm elements) and the same pushes of a 10 mm wide "
-            "patch on spring lattices of n = 6, 11, 21 and 41 nodes a side; S springs, d the displacement, N the power of "
-            "two that holds S. `grid4` with the `isotropic` law, `grid8` with `axial`. Five pushes at 2.5, 5, 10 and 15 mm; "
-            "n = 41 at 5 and 15 mm only, its iterations on grid8 at 10 mm only, its Q on grid4 only. *Predicted* is by "
-            "constants fitted without the lattice it is compared with."), "",
+            "Written by `make gains`. The same tissue, the same FE (2.5 mm elements) and the same displacements of a 10 mm wide "
+            "patch, on spring lattices of n = 6, 11, 21 and 41 nodes a side; S springs, d the displacement, N the least power of "
+            "two that is >= S. `grid4` with the `isotropic` law, `grid8` with `axial`. Five load paths at 2.5, 5, 10 and 15 mm; "
+            "n = 41 at 5 and 15 mm only, its iterations on grid8 at 10 mm only, its Q on grid4 only. *Predicted*: by "
+            "constants that are fitted to the other lattices."), "",
         "## The rule", "", *bullets(rule_lines(measured)), "",
-        "## How well it predicts a lattice it has not seen", "", *bullets(misses(measured)), "",
+        "## Errors of prediction for a lattice that was not fitted to", "", *bullets(misses(measured)), "",
         "## `spsa`: iterations to gap <= 2 %", "",
         "| mesh | n | S | steps m | median | most | predicted, median | measured / predicted |",
         "|---|---|---|---|---|---|---|---|", *(r for t in MESHES for r in iterations_rows(measured, t)), "",
-        f"## `spsa-2008`: first step, and what {BUDGET} iterations leave", "",
-        paragraph("Share of the reducible loss, (L - L_lb) / (L_heuristic - L_lb), median over pushes; steps in E2, 0.003 "
-                  "is the default. The paper's restarts are part of it: `restarted` is the share of sets at the best "
-                  "step."), "",
-        "| mesh | n | best step | leaves | restarted | step by n, d | leaves | one step for all | leaves | 0.003 leaves |",
+        f"## `spsa-2008`: first step, and the loss that remains after {BUDGET} iterations", "",
+        paragraph("Remaining part of the reducible loss, (L - L_lb) / (L_heuristic - L_lb), median over the load cases; steps in E2, "
+                  "0.003 is the default. The paper's restarts are included: `restarted` is the part of the sets that restarted "
+                  "at the best step."), "",
+        "| mesh | n | best step | remains | restarted | step by n, d | remains | one step for all | remains | remains with 0.003 |",
         "|---|---|---|---|---|---|---|---|---|---|", *(r for t in MESHES for r in gains_rows(measured, t)), "",
         "## Q", "",
-        paragraph("Of the certified optimum, medians, from the paper's Q to the one chosen on the other lattices: the one "
-                  "nearest to the paper's whose resolved-force error (over all nodes that carry the patch) is within a "
-                  "point of the smallest, while rel_loss, measured with the paper's Q, rises by at most a tenth. *The "
-                  "patch*: the block of nodes that carry it, 3 x 3 up to n = 21 and 5 x 5 on n = 41; the coarser lattices "
-                  "cannot tell it from 3 x 3, so this much of the rule was a guess that n = 41 agrees with. The closed loop "
-                  "holds a single point where FE holds a patch, so it grows as nodes get closer."), "",
-        "| mesh | n | high on, the rest times | resolved force error | rel_loss | closed loop |",
+        paragraph("Medians of the certified optimum, first with the paper's Q, then with the one that is chosen on the other lattices. "
+                  "That is the Q nearest to the paper's whose resolved-force error (over all nodes that carry the patch) is at "
+                  "most one percentage point above the smallest, and whose rel_loss, measured with the paper's Q, is at most a "
+                  "tenth larger. *The patch*: the block of nodes that carry it, 3 x 3 up to n = 21 and 5 x 5 with n = 41. On the "
+                  "coarser lattices it equals 3 x 3, so only n = 41 tests this part of the rule. The indentation error is of a "
+                  "tool that displaces a single point where FE displace a patch, so it grows with the density of nodes."), "",
+        "| mesh | n | full weight on, factor of the rest | resolved force error | rel_loss | indentation error of force |",
         "|---|---|---|---|---|---|", *(r for t in MESHES for r in q_rows(measured, t)), "",
-        paragraph("grid4, n = 41, the rest times 0.1: resolved-force error " + ", ".join(
+        paragraph("grid4, n = 41, factor of the rest 0.1: resolved-force error " + ", ".join(
             f"{percent(q_ratios(measured, 'grid4', 41, near, 0.1)[0][0])} with {in_words(near)} nodes" for near in NEARS) +
             f"; {percent(q_ratios(measured, 'grid4', 41, 1, 1)[0][0])} with the paper's Q."), "",
         "## By displacement", "",
-        "| mesh | n | d, mm | `spsa` iterations, median | best first step, E2 | leaves |", "|---|---|---|---|---|---|",
+        "| mesh | n | d, mm | `spsa` iterations, median | best first step, E2 | remains |", "|---|---|---|---|---|---|",
         *displacement_rows(measured), ""]
     return "\n".join(blocks)

@@ -27,18 +27,18 @@ from save import written  # noqa: E402
 LONG_LIST = 5          # longer lists are folded
 PORTRAIT_COLUMNS = 14  # tables with more columns are printed in landscape format
 CAPTIONS = {
-    "contours": "Finite elements: two of the load cases",
-    "force": "Resolved force along every load path (Fig. 3 of the paper)",
-    "learning": "Learning curves (Fig. 4 of the paper)",
-    "springs": "Learned springs (Fig. 6 of the paper)",
-    "errors": "Errors of every model at the training contacts",
-    "character": "Spring stiffnesses, and the loss of springs that stay near the heuristic",
+    "contours": "Displacement of two load cases in finite elements",
+    "force": "Force at the loaded node against tool displacement, all nodes at their FE displacement (Fig. 3 of the paper)",
+    "learning": "Loss of each spring set against iterations (Fig. 4 of the paper)",
+    "springs": "Trained spring stiffnesses (Fig. 6 of the paper)",
+    "errors": "Errors of each model at the training contacts",
+    "character": "Differences of the spring sets from the heuristic, and the least loss against that difference",
     "held_out": "Indentation error of force at contacts of the test set",
-    "held_out_force": "Force against push at such contacts",
-    "histories": "Force over time, along displacement histories of the test set",
-    "shape": "Deformed tissue at such contacts, finite elements and springs; displacement error against force error",
-    "map": "Force of straight pushes over the top, in finite elements and in the model, with an inclusion below",
-    "solid": "Section through such a contact: displacement in finite elements, in the model, and their difference",
+    "held_out_force": "Force against tool displacement at contacts of the test set",
+    "histories": "Force over time in displacement histories of the test set",
+    "shape": "Deformed tissue at contacts of the test set, in finite elements and in the model; indentation errors of displacement and of force",
+    "map": "Force of straight indentations over the top, in finite elements and in the model; an inclusion is below",
+    "solid": "Section through a contact of the test set: displacement in finite elements, in the model, and their difference",
 }
 
 
@@ -61,7 +61,7 @@ def lead(e):
         figures += [(learned["p95"], "95th percentile"),
                     (learned["max"], "largest of " + n_of(learned, "contacts"))]
         if learned.get("shape"):
-            figures.append((learned["shape"]["median"], "displacement error, median"))
+            figures.append((learned["shape"]["median"], "indentation error of displacement, median"))
         figures += best_baseline(closed["held_out"], e)
         if "held_out_full" in closed:
             full = closed["held_out_full"]["learned"]
@@ -75,7 +75,7 @@ def lead(e):
                     (trained["median"], f"indentation error of force, {n_of(trained, 'load cases')}")]
         figures += best_baseline(closed["trained"], e)
     if e.get("truth_check", {"n": 0})["n"]:
-        figures.append((e["truth_check"]["median"], f"change of the FE force on a finer mesh, {n_of(e['truth_check'], 'pushes')}"))
+        figures.append((e["truth_check"]["median"], f"change of the FE force on a finer mesh, {n_of(e['truth_check'], 'indentations')}"))
     return percent(number), [(percent(value), what) for value, what in figures]
 
 
@@ -107,7 +107,7 @@ def picture(folder, source):
 
 def label(model, e):
     """A model's name in words; "" where it has none."""
-    words = {**LABELS, "untrained": "the model before training",
+    words = {**LABELS, "untrained": "the energy model before training",
              "heuristic_a_patch": "Van Gelder's springs, contact of the model",
              "heuristic_b_patch": "the same, E2 = (C1 + C2) t",
              "uniform_patch": "springs of one stiffness, contact of the model",

@@ -70,7 +70,7 @@ check "a stored surface is used for its unit alone: each unit is meshed once" sh
 make_dome() { run make PYTHON="$PYTHON" STUDY=dome "$@"; }
 make_dome contacts
 check "make contacts succeeds before any load path is solved" exited 0
-check "make contacts prints the numbers of places and displacements, and the fixed part of the surface" says '^results/dome/contacts.png: train 2 places, 2 pushes; validation 1 places, 1 pushes; held_out 2 places, 2 pushes; [34][0-9] % of the surface is held$'
+check "make contacts prints the numbers of places and load paths, and the fixed part of the surface" says '^results/dome/contacts.png: train 2 places, 2 load paths; validation 1 places, 1 load paths; held_out 2 places, 2 load paths; [34][0-9] % of the surface is fixed$'
 check "make contacts writes a picture and solves no load path" sh -c 'head -c 8 "$1/contacts.png" | tail -c 7 | grep -q PNG && ! ls "$1"/cases/*.csv 2>/dev/null' - "$R"
 run make PYTHON="$PYTHON" STUDY=tiny contacts
 check "make contacts of a study in the plane: one line states the cause" one_line 'contacts are drawn of a study with a solid shape'
