@@ -18,7 +18,7 @@ mkdir "$scratch/known" && cp "$model" "$scratch/known/model.h5"
 (cd "$work" && "$TISSUECTL" eval --study fem/studies/tiny.toml --model "$scratch/known/model.h5" --cases "$scratch/cases.h5" --out "$scratch/known/eval.json" \
     --report "$scratch/known/report.md") >"$scratch/log" 2>&1 || cat "$scratch/log"
 known=$scratch/known/model.h5
-# a target tissue that is three times as stiff about x = 60 mm of the top
+# a target tissue that is twice as stiff about the middle of the top
 lump=$scratch/lump.h5
 "$agent" - "$model" "$lump" <<'PY'
 import sys
@@ -26,10 +26,10 @@ import sys
 import numpy as np
 import tissue
 model, adaptation = tissue.Model(sys.argv[1]), tissue.Adaptation(sys.argv[1])
-x = np.arange(0.02, 0.09, 0.005)
+x = np.random.default_rng(1).permutation(np.arange(0.01, 0.095, 0.005))
 contacts, pushes = np.column_stack([x, np.full(len(x), 0.1)]), np.tile([0, -0.004], (len(x), 1))
 force, _, _ = model.press(contacts, pushes)
-for contact, push, f in zip(contacts, pushes, force * (1 + 2 * np.exp(-((x - 0.06) / 0.012) ** 2))[:, None]):
+for contact, push, f in zip(contacts, pushes, force * (1 + np.exp(-((x - 0.05) / 0.015) ** 2))[:, None]):
     adaptation.learn(contact, push, f)
 adaptation.write(sys.argv[2])
 PY
@@ -118,8 +118,16 @@ assert why == [""] and np.allclose(env._axes @ rest[0], seen["force_N"], rtol=0.
 wanted = seen["wanted_N"][0]
 _, reward, _, _, info = env.step([0, 0])
 assert np.isclose(reward, -abs(info["normal_N"] - wanted) / wanted) and np.isclose(info["off_N"], abs(info["normal_N"] - wanted))
-deep, _, _, _, _ = [env.step([1, 1]) for _ in range(30)][-1]     # limited to step_max_m a step, then to reach and trained depth
-assert np.allclose(deep["position_m"], [0.015, env._depth_m]), deep
+for action, ends_at in (([1, -1], [0.02, -0.001]), ([0, 1], [0, env._depth_m])):   # limited to step_max_m a step, to reach_m, and to the trained depth
+    env.reset(seed=1)
+    assert np.allclose(env.step(action)[0]["position_m"], np.clip(action, -1, 1) * [5e-4, 5e-4 if action[1] > 0 else 0] + [0, -0.001])
+    assert np.allclose([env.step(action) for _ in range(60)][-1][0]["position_m"], ends_at)
+env.reset(seed=1)   # a tool that sticks and is dragged far
+[env.step([0, 5e-4]) for _ in range(8)]
+ends = [env.step([5e-4, 0]) for _ in range(12)] + [None]
+while ends[-1] is None or not ends[-1][2]:
+    ends[-1] = env.step([5e-4, 0])
+assert ends[-1][4]["status"] == "beyond training" and ends[-1][1] == -1 - (200 - env._count) and 20 < env._count < 40, (ends[-1], env._count)
 assert gymnasium.make("tissue/Press-v0", model=sys.argv[1], model_error=0.5).unwrapped._error == 0.5
 frame = gymnasium.make("tissue/Press-v0", model=sys.argv[1], render_mode="rgb_array").unwrapped
 frame.reset(seed=1)
@@ -198,7 +206,7 @@ refused "a file that does not exist" 'nowhere.h5' "'tissue/Press-v0', model='now
 refused "a model that is no name of a file" 'model must be the name of a model.h5, not 3.5' "'tissue/Press-v0', model=3.5"
 refused "a model without an inclusion" 'model.h5: has no inclusion to find: take a model whose study has a nodule, or one that tissuectl adapt made' "'tissue/Palpate-v0', model='$known'"
 refused "an inclusion without a contact near it" 'lump.h5: no contact of the training is from 0.2 to 0.7 times reach_m, 0.001 m, beside the inclusion at \[0.0' "'tissue/Palpate-v0', model='$lump', reach_m=0.001"
-for wrong in steps:1 steps:2.5 reach_m:0 step_s:0 step_s:20 step_max_m:0 step_max_m:0.1 model_error:-1 render_mode:"'human'" friction:"'much'" colour:"'red'" force_max:"'x'" tool:"[1]"; do
+for wrong in steps:1 steps:2.5 reach_m:0 step_s:0 step_s:20 step_max_m:0 step_max_m:0.1 model_error:-1 render_mode:"'ansi'" friction:"'much'" colour:"'red'" force_max:"'x'" tool:"[1]"; do
     refused "$(echo "${wrong%%:*} ${wrong#*:}" | tr -d "'")" "${wrong%%:*}|$(echo "${wrong%%:*}" | tr _ -)" "$press, disable_env_checker=True, ${wrong%%:*}=${wrong#*:}"
 done
 refused "an action of three numbers in the plane" 'must be 2 finite numbers' "$press" 'env.step([0, 0, 0])'

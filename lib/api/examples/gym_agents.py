@@ -60,23 +60,31 @@ class Palpating(Scripted):
     def search(self):
         seen = yield
         for axis in [*range(len(self.reach_m)), 0]:
-            end, felt = 0.8 * self.reach_m[axis], []
-            for to in (-end, end):
+            for to in (-0.8 * self.reach_m[axis], 0.8 * self.reach_m[axis]):
+                felt = []   # places and forces of this way; the last one counts, which is the longer
                 while abs(seen["position_m"][axis] - to) > 1e-6:
                     seen = yield self.to(seen, axis, to)
-                    if seen["position_m"][-1] > 0.99 * self.depth_m:
-                        felt.append((seen["position_m"][axis], seen["force_N"][-1]))
-            place, force = np.array(felt[-int(1.9 * end / self.most[axis]):]).T   # of the long way alone, after its turn
-            best = place[np.argmax(np.convolve(force, np.ones(5) / 5, "same")[2:-2]) + 2]
+                    if seen["position_m"][-1] < 0.99 * self.depth_m:
+                        continue
+                    felt.append((seen["position_m"][axis], seen["force_N"][-1]))
+                    if felt[-1][1] < 0.3 * np.median(felt, axis=0)[1]:   # over an edge of the tissue: lift, and go back
+                        back = seen["position_m"][axis] - np.sign(to) * 0.006
+                        while seen["position_m"][-1] > -5e-4:
+                            seen = yield self.to(seen, axis, seen["position_m"][axis], -0.001)
+                        while abs(seen["position_m"][axis] - back) > 1e-6:
+                            seen = yield self.to(seen, axis, back, -0.001)
+                        break
+            place, force = np.array(felt[5:]).T   # after the turn
+            best = place[2:-2][np.argmax(np.convolve(force, np.ones(5) / 5, "valid"))]
             while abs(seen["position_m"][axis] - best) > 1e-6:
                 seen = yield self.to(seen, axis, best)
         while True:
             seen = yield np.zeros(len(self.most))
 
-    def to(self, seen, axis, place):
+    def to(self, seen, axis, place, depth_m=depth_m):
         move = np.zeros(len(self.most))
         move[axis] = place - seen["position_m"][axis]
-        move[-1] = self.depth_m - seen["position_m"][-1]
+        move[-1] = depth_m - seen["position_m"][-1]
         return move
 
 

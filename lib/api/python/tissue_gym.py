@@ -38,8 +38,9 @@ Reward of a step, always 0 or less:
               centre of the inclusion: where the tool is then is the answer
 off_N [N] and off_m [m] are in info, as are status (of the last tick), is_success, normal_N (force along the normal),
 wanted_N and position_m (D, axes of the tissue). An episode is truncated after `steps`. It terminates where the tissue
-has no force to give (folded, diverged, or a refused position); each step that is left then counts as -1, so that no
-agent gains by it.
+has no force to give (folded, diverged, or a refused position), and where the tool displaces the tissue by more than 1.5
+times the deepest displacement of the training ("beyond training"), as past an edge; each step that is left then counts
+as -1, so that no agent gains by it.
 
 Further arguments: render_mode "rgb_array" draws the section through the tool (needs matplotlib); others are options of
 tissue.Simulation by name, as friction (default 0.3 here, so that the tool can slide) or tool. force_max is three times
@@ -61,6 +62,7 @@ from gymnasium import spaces
 CLEARANCE_M = 0.001          # of the start above the surface, so that the session sees the tool outside first
 NEAR_NORMAL = math.cos(math.radians(35))  # trained direction within 35 degrees of the normal: the contact was pressed
 INCLUSION = 1.2              # least stiffness of a learned field's stiffest place over its median
+BEYOND = 1.5                 # largest displacement of the tissue under the tool, over the deepest of the training
 SLIDING_M = 0.005            # Follow: an error of place that costs as much as one of force of the mean
 
 
@@ -81,6 +83,7 @@ class _Tissue:
         self.starts = list(self._starts())
         if not self.starts:
             raise tissue.Error(f"{file}: has no training load case that presses within 35 degrees of the normal, where an episode could start")
+        self.depth_m = max(depth for _, _, depth in self.starts)
         largest = float(np.linalg.norm(self.model.fe_force_N, axis=1).max(initial=0))
         options = {"friction": 0.3, "force_max": 3 * largest or 10.0, **options}
         self.session = tissue.Simulation(self.model, **options)   # refuses values that are no numbers
@@ -198,9 +201,8 @@ class _Env(gymnasium.Env):
         def box(low, high, size):
             return spaces.Box(np.full(size, low), np.full(size, high), dtype=np.float64)
         force_N = 1.001 * self._tissue.force_max_N   # rounding
-        depth_m = max(depth for _, _, depth in self._tissue.starts)
         tool = box(-self.reach_m, self.reach_m, D)
-        tool.low[-1], tool.high[-1] = -CLEARANCE_M, depth_m
+        tool.low[-1], tool.high[-1] = -CLEARANCE_M, self._tissue.depth_m
         self.action_space = box(-self._step_max_m, self._step_max_m, D)
         seen = {"force_N": box(-force_N, force_N, D), "position_m": spaces.Box(tool.low, tool.high, dtype=np.float64),
                 "time_s": box(0, self._step_s * self.steps * (1 + 1e-9), 1)}
@@ -267,7 +269,10 @@ class _Env(gymnasium.Env):
     def _read(self):
         contact = self._session.contact
         self._status = contact["status"]
-        force = self._axes @ contact["force_N"] if contact["mesh"] >= 0 else np.zeros(len(self._axes))
+        touches = contact["mesh"] >= 0
+        if touches and np.linalg.norm(contact["displacement_m"]) > BEYOND * self._tissue.depth_m:
+            self._status = "beyond training"
+        force = self._axes @ contact["force_N"] if touches else np.zeros(len(self._axes))
         self._force_N = np.clip(force, -self._tissue.force_max_N, self._tissue.force_max_N)
 
     def _observed(self):
@@ -404,8 +409,10 @@ class Palpate(_Env):
 
     def __init__(self, model, **arguments):
         super().__init__(model, **arguments)
-        self._near = [k for k, (contact, normal, _) in enumerate(self._tissue.starts) if 0.2 * self.reach_m <= self._aside(contact, normal) <= 0.7 * self.reach_m
-                      and (self._tissue.inclusion_m - contact) @ normal > -0.1 * self.reach_m]
+        beside = {k: float((self._tissue.inclusion_m - contact) @ normal) for k, (contact, normal, _) in enumerate(self._tissue.starts)
+                  if 0.2 * self.reach_m <= self._aside(contact, normal) <= 0.7 * self.reach_m}
+        # of several sides of the tissue that on which it is nearest, where its depth is given to 5 mm at best
+        self._near = [k for k, depth_m in beside.items() if depth_m <= 1.5 * max(min(beside.values()), 0.005)]
         if not self._near:
             raise tissue.Error(f"{self._tissue.file}: no contact of the training is from 0.2 to 0.7 times reach_m, {self.reach_m:g} m, beside the inclusion at {self._tissue.inclusion_m.round(4).tolist()}")
 
