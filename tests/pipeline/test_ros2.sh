@@ -27,12 +27,12 @@ else
 fi
 run "$PYTHON" "$node" --help
 check "--help without ROS 2 prints the topics" says 'out  servo_cf      geometry_msgs/WrenchStamped'
-as_node() ( # PARAMETER...: the program, on rclpy or on the stand-in
+as_node() { # PARAMETER...: becomes the program, on rclpy or on the stand-in
     [ -n "${TISSUE_ROS2-}" ] || exec "$robot" "$root/tests/pipeline/ros2_stand_in.py" "$node" --ros-args "$@"
     exec "$robot" "$node" --ros-args "$@"
-)
+}
 for wrong in 'role:=foot:must be hand or tool' 'port:=0:must be from 1 to 65535' 'port:=x:port' 'force_max:=-1.0:must be a force above 0 N' 'force_max:=.inf:must be a force above 0 N'; do
-    as_node -p "${wrong%:*}" >"$said" 2>&1
+    (as_node -p "${wrong%:*}") >"$said" 2>&1
     status=$?
     check "parameter ${wrong%:*} is refused in one line" one_line "^ros2_device: .*${wrong##*:}"
     check "parameter ${wrong%:*}: exit 2" exited 2
