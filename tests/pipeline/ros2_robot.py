@@ -26,7 +26,7 @@ from std_msgs.msg import Bool  # noqa: E402
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
     free.bind(("127.0.0.1", 0))
     port = free.getsockname()[1]
-sys.argv = ["ros2_device.py", "--ros-args", "-p", f"role:={role}", "-p", f"port:={port}"]
+sys.argv = ["ros2_device.py", "--ros-args", "-p", f"role:={role}", "-p", f"port:={port}", "-p", "force_max:=3.0"]
 tissue_haptic = subprocess.Popen([program, file, "--device", "remote", "--port", str(port), "--seconds", "0", "--no-heuristic"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 wrenches, echoes = [], []
 
@@ -111,7 +111,11 @@ try:
     assert any(lifts() for _ in range(20)), "a grasp does not pull"
     robot.grasp(False)
     rests(0.102, lambda f: f.y == 0, "no force after a release")
+    assert device.link.force_max_N == 3.0
+    device.link.force_max_N = 0.05
     robot.to(0.096, 0.5)
+    rests(0.096, lambda f: math.isclose(math.hypot(f.x, f.y), 0.05), "a force within force_max")
+    device.link.force_max_N = 3.0
     rests(0.096, lambda f: f.y > 0.5 * at_rest.y, "a force again")
     spin(0.5)                                        # no pose: the last one is too old
     assert force().y == 0, force()

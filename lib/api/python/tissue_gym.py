@@ -155,7 +155,7 @@ def _opened(file, _written, options):
 
 def _tissue_of(model, options):
     try:
-        file = os.path.realpath(os.fspath(model))
+        file = os.path.realpath(os.fsdecode(model))
         there = os.stat(file)
         written = (there.st_mtime_ns, there.st_size, there.st_ino)
     except OSError:
