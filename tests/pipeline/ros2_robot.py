@@ -129,6 +129,10 @@ try:
     assert force().y == 0 and len(forces(since)) < 100, (force(), len(forces(since)))   # one of zero, after those on the way
     if role == "tool":
         assert len(echoes) > 100 and echoes[-1].header.frame_id == "block" and abs(echoes[-1].pose.position.y - 0.096) < 1e-4 and echoes[-1].pose.position.x == 0.05
+    count = len(wrenches)
+    device.stop()
+    spin(0.2)
+    assert len(wrenches) == count + 1 and force().y == 0
     assert device.link.refused == 0 and device.link.answers > 1000
 finally:
     tissue_haptic.kill()
