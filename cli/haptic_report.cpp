@@ -80,7 +80,7 @@ std::string tool_text(const Device& device, const Simulation& simulation, int to
     text += fmt::format("  refused input    {} (invalid {}, jumps {}, stale {})\n", refused(s), s.bad_input, s.jump, s.stale);
     text += fmt::format("  no force         not yet outside {}, ticks too late {}\n", simulation.unarmed(tool), s.late);
     for (const auto& [name, value] : device.statistics()) text += fmt::format("  device {:<24} {:g}\n", name, value);
-    if (const std::string fault = device.fault(); !fault.empty()) text += fmt::format("  device error     {}\n", one_line(fault));
+    if (const std::string fault = device.last_error(); !fault.empty()) text += fmt::format("  device error     {}\n", one_line(fault));
     return text;
 }
 
@@ -101,7 +101,7 @@ void add_tool(Json& j, Json& details, const Device& device, const Simulation& si
     details["late"] = s.late;
     details["not_yet_outside"] = simulation.unarmed(tool);
     for (const auto& [name, value] : device.statistics()) details["device"][name] = value;
-    if (const std::string fault = device.fault(); !fault.empty()) details["device_error"] = one_line(fault);
+    if (const std::string fault = device.last_error(); !fault.empty()) details["device_error"] = one_line(fault);
 }
 
 }  // namespace

@@ -24,15 +24,15 @@ HELD_S = 0.0075     # three quarters of the time for which tissue-haptic holds a
 NONE = (0.0, 0.0, 0.0)
 
 
-def force_of(datagram, sequence):
-    """The force of a datagram [N], at most FORCE_MAX_N. None if it does not answer a position up to `sequence`."""
+def force_of(datagram, sequence, force_max_N=FORCE_MAX_N):
+    """The force of a datagram [N], at most force_max_N. None if it does not answer a position up to `sequence`."""
     if len(datagram) != 48:
         return None
     magic, used, age_s, fx, fy, fz, tick = struct.unpack("<4sId3dd", datagram)
     length = math.hypot(fx, fy, fz)
     if magic != b"TSF1" or not 0 < used <= sequence or not math.isfinite(length):
         return None
-    share = min(1.0, FORCE_MAX_N / length) if length > 0 else 1.0
+    share = min(1.0, force_max_N / length) if length > 0 else 1.0
     return fx * share, fy * share, fz * share
 
 
@@ -48,38 +48,61 @@ def arguments():
         sys.exit(0 if sys.argv[1] in ("-h", "--help") else 2)
 
 
-port, seconds = arguments()
-link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-link.connect(("127.0.0.1", port))   # rejects forces of any other program
-link.setblocking(False)
-start, force, came = time.monotonic(), NONE, 0.0
-sequence = answers = refused = 0
-largest = 0.0
-while (now := time.monotonic() - start) < seconds:
-    sequence += 1
-    y = 0.1 + 0.005 * math.cos(math.pi * now)          # in and out of the middle of the top, 2 s a cycle
-    try:
-        link.send(struct.pack("<4sId3dd", b"TSP1", sequence, now, 0.05, y, 0.0, 0.0))
-    except (BlockingIOError, ConnectionRefusedError):  # no program listens yet, or another client is connected
-        pass
-    # Reads all waiting datagrams (the system bounds their number), so that the newest force counts also after a pause.
-    for _ in range(512):
+class Link:
+    """The socket of a device to `tissue-haptic --device remote --port PORT` on this machine."""
+
+    def __init__(self, port, force_max_N=FORCE_MAX_N):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.connect(("127.0.0.1", port))   # rejects forces of any other program
+        self.socket.setblocking(False)
+        self.force_max_N = force_max_N
+        self.sent = self.answers = self.refused = 0
+
+    def put(self, time_s, position_m, grasp=False):
+        """Sends a position (3) [m]; time_s: of a monotonic clock, when it was measured."""
+        self.sent += 1
         try:
-            newest = force_of(link.recv(49), sequence)
-        except BlockingIOError:
-            break
-        except ConnectionRefusedError:
-            continue
-        if newest is None:
-            refused += 1
-            continue
-        answers, force, came = answers + 1, newest, now
-        largest = max(largest, math.hypot(*force))
-    if now - came > HELD_S:
-        force = NONE
-    if sequence % 500 == 0:
-        print(f"{now:6.2f} s  y {1e3 * y:7.2f} mm  force {1e3 * force[0]:8.4f} {1e3 * force[1]:8.4f} mN")
-    time.sleep(max(0.0, start + sequence * 1e-3 - time.monotonic()))
-print(f"largest force {largest:.4f} N, at the end {math.hypot(*force):.4f} N, refused {refused}")
-print(f"sent {sequence}, answers {answers}")
-sys.exit(0 if answers > 0 else 1)
+            self.socket.send(struct.pack("<4sId3dd", b"TSP1", self.sent % 2 ** 32, time_s, *position_m, float(grasp)))
+        except (BlockingIOError, ConnectionRefusedError):  # no program listens yet, or another client is connected
+            pass
+
+    def take(self):
+        """The newest force that has come [N], at most force_max_N; None if none has."""
+        force = None
+        # Reads all waiting datagrams (the system bounds their number), so that the newest force counts also after a pause.
+        for _ in range(512):
+            try:
+                newest = force_of(self.socket.recv(49), self.sent, self.force_max_N)
+            except BlockingIOError:
+                break
+            except ConnectionRefusedError:
+                continue
+            if newest is None:
+                self.refused += 1
+                continue
+            self.answers, force = self.answers + 1, newest
+        return force
+
+
+def main():
+    port, seconds = arguments()
+    link = Link(port)
+    start, force, came, largest = time.monotonic(), NONE, 0.0, 0.0
+    while (now := time.monotonic() - start) < seconds:
+        y = 0.1 + 0.005 * math.cos(math.pi * now)          # in and out of the middle of the top, 2 s a cycle
+        link.put(now, (0.05, y, 0.0))
+        if (newest := link.take()) is not None:
+            force, came = newest, now
+            largest = max(largest, math.hypot(*force))
+        if now - came > HELD_S:
+            force = NONE
+        if link.sent % 500 == 0:
+            print(f"{now:6.2f} s  y {1e3 * y:7.2f} mm  force {1e3 * force[0]:8.4f} {1e3 * force[1]:8.4f} mN")
+        time.sleep(max(0.0, start + link.sent * 1e-3 - time.monotonic()))
+    print(f"largest force {largest:.4f} N, at the end {math.hypot(*force):.4f} N, refused {link.refused}")
+    print(f"sent {link.sent}, answers {link.answers}")
+    return 0 if link.answers > 0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -56,7 +56,7 @@ class Device {
     virtual std::string failure() const { return ""; }
 
     /// The last error since start() that the device or its vendor's library reported, as text; "": none.
-    virtual std::string fault() const { return ""; }
+    virtual std::string last_error() const { return ""; }
 
     /// The device's own counts and figures, for session statistics: name and value.
     virtual std::vector<std::pair<std::string, double>> statistics() const { return {}; }

@@ -344,7 +344,7 @@ void ForceDimensionDevice::stop() noexcept {
     }
 }
 
-std::string ForceDimensionDevice::fault() const {
+std::string ForceDimensionDevice::last_error() const {
     const int code = exchange_.last_error();
     if (code == 0) return "";
     const char* text = library_->error_text(code);

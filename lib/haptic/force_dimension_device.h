@@ -70,7 +70,7 @@ class ForceDimensionDevice final : public Device {
     void write(const Eigen::Vector3d& force_N) noexcept override;
     bool finished() const noexcept override;
     void stop() noexcept override;
-    std::string fault() const override;
+    std::string last_error() const override;
     std::vector<std::pair<std::string, double>> statistics() const override;
 
    private:

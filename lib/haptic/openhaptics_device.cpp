@@ -142,7 +142,7 @@ void OpenHapticsDevice::stop() noexcept {
     library_->unschedule(library_->callback);
 }
 
-std::string OpenHapticsDevice::fault() const {
+std::string OpenHapticsDevice::last_error() const {
     return exchange_.last_error() != 0 ? fmt::format("vendor error 0x{:04x}", exchange_.last_error()) : "";
 }
 

@@ -34,7 +34,7 @@ class OpenHapticsDevice final : public Device {
     DeviceSample read(double time_s) noexcept override;
     void write(const Eigen::Vector3d& force_N) noexcept override;
     void stop() noexcept override;
-    std::string fault() const override;
+    std::string last_error() const override;
     std::vector<std::pair<std::string, double>> statistics() const override { return exchange_.statistics(); }
 
    private:

@@ -27,7 +27,7 @@ class TargetTissue final : public Device {
     bool finished() const noexcept override { return hand_->finished(); }
     void stop() noexcept override { hand_->stop(); }
     std::string failure() const override { return hand_->failure(); }
-    std::string fault() const override { return hand_->fault(); }
+    std::string last_error() const override { return hand_->last_error(); }
     std::vector<std::pair<std::string, double>> statistics() const override { return hand_->statistics(); }
 
    private:

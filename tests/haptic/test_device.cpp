@@ -500,13 +500,13 @@ TEST_CASE("an error of openhaptics between two reads is not hidden by a success 
     vendor.set_position(10, 0, 0);
     device.start();
     CHECK(wait_for([&] { return device.read(0.01).position_m.x() == 0.01; }));
-    CHECK(device.fault().empty());
+    CHECK(device.last_error().empty());
     vendor.fail_once(0x0302);
     const double ticks = statistics(device, "servo_ticks");
     CHECK(wait_for([&] { return statistics(device, "servo_ticks") > ticks + 3; }));  // these have no error
     CHECK_FALSE(device.read(0.02).valid);
     CHECK(device.read(0.021).valid);
-    CHECK(device.fault() == "vendor error 0x0302");
+    CHECK(device.last_error() == "vendor error 0x0302");
     CHECK(statistics(device, "vendor_errors") == 1);
     CHECK(statistics(device, "vendor_error") == 0x0302);
 }

@@ -233,7 +233,7 @@ TEST_CASE("force-dimension reads metres and sets the force to zero when ticks ce
         CHECK(statistics(device, "servo_period_us") >= 250);
         CHECK(wait_for([&] { return device.read(0.04).valid; }));
         CHECK(device.read(0.04).age_s >= 250e-6);
-        CHECK(device.fault().empty());
+        CHECK(device.last_error().empty());
 
         device.write({1, 0, 0});
         device.stop();
@@ -295,7 +295,7 @@ TEST_CASE("the time guard and saturated motors of force-dimension are no errors"
     CHECK(wait_for([&] { return statistics(device, "saturated_ticks") > 5 && statistics(device, "time_guard_ticks") > 5; }));
     CHECK(wait_for([&] { return device.read(0).valid; }));
     CHECK(statistics(device, "vendor_errors") == 0);
-    CHECK(device.fault().empty());
+    CHECK(device.last_error().empty());
 }
 
 TEST_CASE("an error of force-dimension between two reads is not hidden by a success after it", "[device]") {
@@ -321,7 +321,7 @@ TEST_CASE("an error of force-dimension between two reads is not hidden by a succ
     vendor.set("position_errors", 0);
     CHECK(wait_for([&] { return device.read(0.03).valid; }));
     vendor.set("force_errors", 1);
-    CHECK(wait_for([&] { return device.fault() == "timeout (vendor error 7)"; }));  // of the servo's thread, not of this one
+    CHECK(wait_for([&] { return device.last_error() == "timeout (vendor error 7)"; }));  // of the servo's thread, not of this one
     CHECK(statistics(device, "vendor_error") == 7);
 }
 
@@ -341,13 +341,13 @@ TEST_CASE("a force-dimension device that was disconnected gives no position and 
         CHECK(sample.position_m.x() == 0.01);
         CHECK(sample.age_s >= 0.49);
         CHECK(wait_for([&] { return device.finished(); }));
-        CHECK(device.fault() == "communication error with the device (vendor error 2)");
+        CHECK(device.last_error() == "communication error with the device (vendor error 2)");
     }
     vendor.set("disconnected", 0);
     const RunningDevice again(device);
     CHECK_FALSE(device.finished());
     CHECK(wait_for([&] { return device.read(0).valid; }));
-    CHECK(device.fault().empty());
+    CHECK(device.last_error().empty());
 }
 
 TEST_CASE("after a stall of force-dimension forces return only where the watchdog disabled them", "[device]") {

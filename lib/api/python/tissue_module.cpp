@@ -81,6 +81,21 @@ void needs_init() {
     py::detail::get_type_info(typeid(T), true)->operator_new = &never_initialised;
 }
 
+/// numpy 2 has PyArray_CopyInto at place 50 of its table of functions. pybind11 before 2.12 takes place 82, as of numpy
+/// 1, and calls another function, which crashes where an Eigen vector is an argument.
+void find_copy_into(py::detail::npy_api& api) {
+#if PYBIND11_VERSION_HEX < 0x020C0000
+    const py::module_ numpy = py::module_::import("numpy");
+    if (std::stoi(py::str(numpy.attr("__version__"))) < 2) return;
+    const py::object table = py::module_::import("numpy._core.multiarray").attr("_ARRAY_API");
+    auto** functions = static_cast<void**>(PyCapsule_GetPointer(table.ptr(), nullptr));
+    if (!functions) throw py::error_already_set();
+    api.PyArray_CopyInto_ = reinterpret_cast<decltype(api.PyArray_CopyInto_)>(functions[50]);
+#else
+    static_cast<void>(api);
+#endif
+}
+
 using Options = std::vector<std::pair<std::string, std::string>>;
 
 /// Whether a value is a bool of Python or of numpy, the latter being the result of comparing numpy values.
@@ -423,7 +438,7 @@ type is a TypeError. Long calls release the interpreter lock; calls of the same 
 ticks() between two ticks, press() between two contacts and next() between two indentations.)";
     // import numpy now: two threads that make their first arrays at once would deadlock, one waiting for the import
     // lock and the other for the interpreter lock
-    py::detail::npy_api::get();
+    find_copy_into(py::detail::npy_api::get());
     m.attr("__version__") = version;
     // never freed: the interpreter ends before static objects are destroyed
     static const py::handle error = py::exception<Error>(m, "Error", PyExc_ValueError).release();
@@ -585,6 +600,10 @@ ticks() between two ticks, press() between two contacts and next() between two i
     needs_init<TargetAdaptation>();
 
     m.def("read_study", &read_study, py::arg("folder"), "Reads results/STUDY: a dict of model, paths (as read_cases) and eval (eval.json; None if there is none).");
+    m.def("file_hash", [](const File& file) {
+              const py::gil_scoped_release others_may;
+              return file_hash(file.string());
+          }, py::arg("file"), "XXH3 of a file's contents, 32 hexadecimal digits: model_hash of eval.json is that of the model's file.");
     m.def("read_cases", &paths_of, py::arg("file"),
           "Reads the FE load paths of a cases.h5: a list of dicts of name, role, contact_m, direction, lost, magnitude_m (R), in space radius_m of the disc (0: the study's own), force_N (R, D), displacement_m (R, N, D; no rows for measured forces). With two discs at once also second_contact_m, second_direction, second_depth_m (reached with the largest magnitude_m), second_force_N (R, D).");
 }
