@@ -101,6 +101,11 @@ TissueModel Adaptation::model() const {
     return now;
 }
 
+Eigen::VectorXd Adaptation::sd() const {
+    if (single_scale_in_use()) return Eigen::VectorXd::Constant(unknowns_.size(), std::sqrt(state_.scale_variance));
+    return state_.P.diagonal().cwiseMax(0).cwiseSqrt();
+}
+
 Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from) {
     Linear linear;
     press(contact_m, push_m, x, from, &linear);

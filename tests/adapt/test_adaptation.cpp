@@ -121,6 +121,8 @@ TEST_CASE("a uniform scale is used while it explains all measurements and the fi
     CHECK_FALSE(without.single_scale_in_use());
     CHECK((with_rival.state().x - without.state().x).norm() < 1e-4);  // the field does not depend on the scale
     CHECK(with_rival.state().scale == Approx(0.5).epsilon(0.01));
+    CHECK((with_rival.sd().array() - std::sqrt(with_rival.state().scale_variance)).abs().maxCoeff() < 1e-12);
+    CHECK((without.sd().array().square() - without.state().P.diagonal().array()).abs().maxCoeff() < 1e-12);
     CHECK(worst_error(with_rival.model(), held_out) < 0.01);
     CHECK(worst_error(with_rival.model(), held_out) < 0.5 * worst_error(without.model(), held_out));
     const Expected e = with_rival.expect(held_out[0].contact_m, held_out[0].push_m);
