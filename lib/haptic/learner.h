@@ -48,8 +48,8 @@ struct LearnerOptions {
 ///
 /// For a model that relaxes, the measured force is converted to the static force that the adaptation expects: long-term
 /// or instantaneous (AdaptOptions::at_rest). It is multiplied by the model's static force of that kind over the model's
-/// force in the session. This needs a model that does not change during the measurement, and that has adapted to
-/// nothing else since; other measurements are dropped.
+/// force in the session. This needs a model that does not change during the measurement, that has adapted to nothing
+/// else since, and that has an equilibrium there; other measurements are dropped.
 ///
 /// The slew and the energy bound of Safety limit the force on the hand, whatever the model becomes. The unknowns are
 /// kept below log(HapticOptions::stiffest), for which the steps are stable.
@@ -89,7 +89,7 @@ class Learner final : public TickHook {
     const char* failure() const { return failure_.data(); }
     long long readings() const { return readings_.load(); }    ///< number of measurements
     /// Number of measurements that were not used: the queue was full, patience_s was over, adaptation had failed, or a
-    /// model that relaxes had changed since.
+    /// model that relaxes had changed since or had no equilibrium there.
     long long dropped() const { return dropped_.load(); }
     bool arrived() const { return arrived_; }                  ///< the tick's model equals the one published last
 
