@@ -64,7 +64,7 @@ struct UpdateResult {
 
 /// Predicted force at a tool displacement.
 struct Expected {
-    Point force_N;                ///< (D); NaN unless status is `held`
+    Point force_N;                ///< (D); NaN unless status is `converged`
     Eigen::MatrixXd by_x;         ///< d force / dx over |force| (D x P)
     SolverStatus status;
 };

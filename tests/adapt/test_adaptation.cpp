@@ -182,6 +182,9 @@ TEST_CASE("an invalid measurement is refused and leaves the state unchanged bit 
     refused(poke, "2 axes");
     CHECK(adaptation.learn(pokes[1]).status == UpdateStatus::learned);
     CHECK(adaptation.state().refused == 10);
+    Adaptation fresh(law, options());
+    CHECK_THAT(fresh.learn({Eigen::Vector2d(0.05, 0.1), Eigen::Vector2d(0, -0.03), Eigen::Vector2d(0, -2)}).why,
+               Contains("the model has no equilibrium there: the spring mesh is unstable under the indentation"));
 }
 
 TEST_CASE("a force ten times too large is gated and four in a row cause a warning", "[adapt]") {

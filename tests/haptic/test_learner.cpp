@@ -307,7 +307,7 @@ TEST_CASE("a measurement of tissue that relaxes is dropped where the model in us
     options.safety.force_max_N = 20;  // else the tool stays behind the hand
     const HapticModel model(law, options);
     Adaptation adaptation(law, live());
-    // 30 mm deep the trained model comes to rest inverted; a field that is stiff at the contact does not
+    // 30 mm deep the trained model is unstable; a field that is stiff at the contact is not
     const Point contact_m = Eigen::Vector2d(0.05, 0.1), push_m = Eigen::Vector2d(0, -0.03);
     Adaptation::State state = adaptation.state();
     for (Eigen::Index n = 0; n < state.x.size(); ++n)
