@@ -56,11 +56,12 @@ struct LearnerOptions {
 ///
 /// When an adaptation fails (out of memory, or a callback throws), adaptation ends and the session goes on. The tick
 /// keeps the last complete energy model, and the adaptation is reset to it. Later measurements are dropped, and
-/// failure() gives the cause. A force that drops to zero, for instance because a disk is full, would be worse; no tick
-/// needs the learner.
+/// failure() gives the cause. No tick needs the learner, and the end of a session sets the force on the hand to zero: a
+/// full disk is no reason for that.
 class Learner final : public TickHook {
    public:
-    /// model: that of the one simulation that the learner is a hook of. It and the adaptation must outlive the learner.
+    /// model: of the simulation that calls this hook; no other simulation may call it. It and the adaptation must
+    /// outlive the learner.
     /// Throws MismatchError where the model is no energy model, its tool is not a disc, the adaptation is of another
     /// mesh, or it may become stiffer than the model's steps allow.
     Learner(const HapticModel& model, Adaptation& adaptation, const LearnerOptions& options = {});

@@ -31,10 +31,11 @@ struct BranchEnergies {
 /// The energy model of a TissueModel in the layout of the tick: forces of a TissueEnergy and of its contacts. Holds
 /// constants, no state.
 ///
-/// Springs are in the bands of a RealtimeMesh. In the plane the squares of a lattice form one contiguous run of slots,
-/// one per node. The force of a square acts at the ends of its diagonals. Any other region is stored as closed walks
-/// along its outline. In space, cubes form runs whose first nodes are consecutive. The force of a cube acts at its
-/// eight corners and follows from the displacement gradient at the centroid of its tissue.
+/// Springs are in the bands of a RealtimeMesh. In the plane the squares of a lattice are in the order of their first
+/// nodes; a node without a square has one of gain 0, so that the loop over them has no lookups. The area of a square
+/// is half the cross product of its diagonals. Other cells, and regions, are closed walks along their outlines. In
+/// space, cubes are in runs by the row of their first node (LatticeRows), with cubes of gain 0 in small gaps. The volume
+/// ratio of a cube is that of the displacement gradient at the centroid of its tissue.
 class RealtimeEnergyModel {
    public:
     /// springs: layout of the model's mesh, with the spring curve of its energy model; must outlive this object.
@@ -79,9 +80,8 @@ class RealtimeEnergyModel {
     /// d and u (springs/ball_indentation.h); any other does not. On entry `tool` is the same contact at the previous tick, or
     /// a tool without growth where the contact is new. Allocates nothing.
     void contact(int facet, const Eigen::Vector3d& weight, const Point& push_m, const NodeColumns& u, ToolSpring& tool) const noexcept;
-    bool contact_grows() const { return ball_.radius_m > 0; }  ///< with the tool displacement: a ball's
-    /// The same for a given growth, as of a ball. A growth of radius 0 gives the contact of the model's own disc or
-    /// patch.
+    bool contact_grows() const { return ball_.radius_m > 0; }  ///< whether the tool is a ball
+    /// The same with the growth given. Where its radius is 0, this is the contact of the model's own disc or patch.
     void contact(int facet, const Eigen::Vector3d& weight, const ToolSpring::Growth& growth, ToolSpring& tool) const noexcept;
 
     /// Replaces displacements u near the tool by the displayed ones (ContactKernel::show_skin). Allocates nothing.
