@@ -10,6 +10,7 @@
 
 #include "error.h"
 #include "gsl.h"
+#include "springs/indentation_solver.h"
 #include "springs/law_kernel.h"
 
 namespace tissue {
@@ -99,6 +100,11 @@ TissueModel Adaptation::model() const {
     now.heuristic_a.array() *= stiffer;
     now.heuristic_b.array() *= stiffer;
     return now;
+}
+
+Eigen::VectorXd Adaptation::sd() const {
+    if (single_scale_in_use()) return Eigen::VectorXd::Constant(unknowns_.size(), std::sqrt(state_.scale_variance));
+    return state_.P.diagonal().cwiseMax(0).cwiseSqrt();
 }
 
 Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from) {
@@ -259,7 +265,7 @@ UpdateResult Adaptation::learn(const ForceMeasurement& poke) {
     } catch (const MismatchError& e) {
         return refuse(e.what());
     }
-    if (linear.rest.status != SolverStatus::converged) return refuse(fmt::format("the model has no equilibrium there: {}", to_string(linear.rest.status)));
+    if (linear.rest.status != SolverStatus::converged) return refuse(fmt::format("the model has no equilibrium there: {}", reason_of(status_of(linear.rest.status))));
     answer.expected_N = linear.rest.contact_force_N;
 
     const Point field_N = answer.expected_N;
@@ -295,7 +301,7 @@ UpdateResult Adaptation::learn(const ForceMeasurement& poke) {
             break;
         }
         const Linear there = linearise(at_m, poke.push_m, next, &linear.rest);
-        if (there.rest.status != SolverStatus::converged) return refuse(fmt::format("the updated model has no equilibrium there: {}", to_string(there.rest.status)));
+        if (there.rest.status != SolverStatus::converged) return refuse(fmt::format("the updated model has no equilibrium there: {}", reason_of(status_of(there.rest.status))));
         x = next;
         const Point& model_N = there.rest.contact_force_N;
         H = there.by_x / model_N.norm();

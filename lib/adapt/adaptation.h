@@ -64,7 +64,7 @@ struct UpdateResult {
 
 /// Predicted force at a tool displacement.
 struct Expected {
-    Point force_N;                ///< (D); NaN unless status is `held`
+    Point force_N;                ///< (D); NaN unless status is `converged`
     Eigen::MatrixXd by_x;         ///< d force / dx over |force| (D x P)
     SolverStatus status;
 };
@@ -108,6 +108,7 @@ class Adaptation {
     EnergyModel law() const { return with_unknowns(*base_.energy_model, unknowns_, x()); }
     /// Unknowns in use (P): the field, or the uniform scale in every entry.
     Eigen::VectorXd x() const { return single_scale_in_use() ? Eigen::VectorXd::Constant(unknowns_.size(), state_.scale) : state_.x; }
+    Eigen::VectorXd sd() const;  ///< posterior standard deviations of x() (P)
     bool has_single_scale() const { return options_.rival && unknowns_.place_m.rows() > 0; }
     bool single_scale_in_use() const { return has_single_scale() && state_.evidence < 0; }
 

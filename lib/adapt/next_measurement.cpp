@@ -11,20 +11,28 @@
 namespace tissue {
 namespace {
 
-/// dF/dx over |F| of each indentation with an equilibrium, stacked (D rows each). which: their indices.
-Eigen::MatrixXd stacked(Adaptation& adaptation, const std::vector<Push>& pushes, const std::function<void()>& between, std::vector<std::size_t>& which) {
+/// The indentations with an equilibrium (n).
+struct Answers {
+    std::vector<std::size_t> which;  ///< their indices
+    Eigen::MatrixXd by_x;            ///< dF/dx over |F| of each, stacked (n*D x P)
+    std::vector<double> sd;          ///< standard deviation of a component of each force, over its size
+};
+
+Answers answers_to(Adaptation& adaptation, const std::vector<Push>& pushes, const std::function<void()>& between) {
     const Eigen::Index D = adaptation.base().mesh.dimension(), P = adaptation.unknowns().size();
-    Eigen::MatrixXd rows(D * static_cast<Eigen::Index>(pushes.size()), P);
+    Answers answers;
+    answers.by_x.resize(D * static_cast<Eigen::Index>(pushes.size()), P);
     for (std::size_t i = 0; i < pushes.size(); ++i) try {
             if (between) between();
             const Expected expected = adaptation.expect(pushes[i].contact_m, pushes[i].push_m);
             if (expected.status != SolverStatus::converged) continue;
-            rows.middleRows(D * static_cast<Eigen::Index>(which.size()), D) = expected.by_x;
-            which.push_back(i);
+            answers.by_x.middleRows(D * static_cast<Eigen::Index>(answers.which.size()), D) = expected.by_x;
+            answers.which.push_back(i);
+            answers.sd.push_back(std::sqrt(adaptation.covariance(expected, false).trace() / static_cast<double>(D)));
         } catch (const MismatchError&) {  // an invalid contact, for example on fixed nodes
         }
-    rows.conservativeResize(D * static_cast<Eigen::Index>(which.size()), P);
-    return rows;
+    answers.by_x.conservativeResize(D * static_cast<Eigen::Index>(answers.which.size()), P);
+    return answers;
 }
 
 }  // namespace
@@ -50,20 +58,20 @@ std::vector<Push> pushes_over(const FreeSurface& surface, const SpringMesh& mesh
 }
 
 std::vector<MeasurementGain> rank_measurements(Adaptation& adaptation, const std::vector<Push>& may_be, const std::vector<Push>& judged, const std::function<void()>& between) {
-    std::vector<std::size_t> which, judged_too;
-    const Eigen::MatrixXd H = stacked(adaptation, may_be, between, which), T = stacked(adaptation, judged, between, judged_too);
+    const Answers possible = answers_to(adaptation, may_be, between), to_predict = answers_to(adaptation, judged, between);
+    const Eigen::MatrixXd &H = possible.by_x, &T = to_predict.by_x;
     const Eigen::Index D = adaptation.base().mesh.dimension();
     const Eigen::MatrixXd PH = adaptation.state().P * H.transpose(), TPH = T * PH;
     const double all = (T * adaptation.state().P).cwiseProduct(T).sum();
     const AdaptOptions& options = adaptation.options();
     const double noise = options.force_noise * options.force_noise + options.model_error * options.model_error;
     std::vector<MeasurementGain> worth;
-    for (std::size_t i = 0; i < which.size(); ++i) {
+    for (std::size_t i = 0; i < possible.which.size(); ++i) {
         const Eigen::Index at = D * static_cast<Eigen::Index>(i);
         const Eigen::MatrixXd own = H.middleRows(at, D) * PH.middleCols(at, D);
         const Eigen::MatrixXd S = own + noise * Eigen::MatrixXd::Identity(D, D), there = TPH.middleCols(at, D);
         const double gone = there.cwiseProduct(S.ldlt().solve(there.transpose()).transpose()).sum();
-        worth.push_back({which[i], all > 0 ? gone / all : 0, std::sqrt(own.trace() / static_cast<double>(D))});
+        worth.push_back({possible.which[i], all > 0 ? gone / all : 0, possible.sd[i]});
     }
     std::stable_sort(worth.begin(), worth.end(), [](const MeasurementGain& a, const MeasurementGain& b) { return a.gain > b.gain; });
     return worth;

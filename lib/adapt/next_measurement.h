@@ -21,12 +21,14 @@ std::vector<Push> pushes_over(const FreeSurface& surface, const SpringMesh& mesh
 /// Information that the measurement of one indentation would give on the forces of others.
 struct MeasurementGain {
     std::size_t push;     ///< index among the possible indentations
-    double gain;          ///< relative reduction of the mean variance of the judged forces (each over its size)
-    double sd_before;     ///< standard deviation of its own force before the measurement, over its size
+    /// relative reduction of the mean variance of the judged forces (each over its size): the part due to the unknowns
+    double gain;
+    double sd_before;     ///< standard deviation of its own force before the measurement, over its size (covariance())
 };
 
 /// Ranks the possible indentations may_be by `gain`, the largest first. The covariance of the filter depends on the
-/// noise of a measurement and not on its value, so gains are known in advance. judged: indentations whose forces are to
+/// noise of a measurement and not on its value, so gains are known in advance. They are those of the field also while
+/// the uniform scale is in use, whose variance a measurement reduces alike at any place. judged: indentations whose forces are to
 /// be predicted. Indentations without an equilibrium are left out. between: called before each equilibrium solve, one
 /// for each entry of may_be and judged; may throw to stop.
 std::vector<MeasurementGain> rank_measurements(Adaptation& adaptation, const std::vector<Push>& may_be, const std::vector<Push>& judged,

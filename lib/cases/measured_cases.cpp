@@ -23,7 +23,7 @@ constexpr double same_contact_m = 0.0002;                    // largest extent o
 constexpr double same_angle = 3 * degree;                    // largest difference of directions of one training path
 constexpr double repeat_m = 0.0005, repeat_part = 0.2;       // largest differences of repeats of one indentation
 constexpr double outlier = 5;                                // standard deviations
-constexpr int least_contacts = 4;
+constexpr int least_places = 4;                              // of training
 
 /// One indentation: its rows and their means.
 struct Push {
@@ -282,10 +282,10 @@ Cases measured_cases(const Study& study, const MeasuredTable& table) {
             add_held_out(cases, outline, *p, role);
             proved |= role == "held_out";
         }
-    if (places.size() < least_contacts || !proved)
-        throw FileError(fmt::format("{}: has {} rows at {} contacts, of which {} are for training and {} for the test set; at least "
+    if (places.size() < least_places || !proved)
+        throw FileError(fmt::format("{}: has {} rows at {} contacts, with {} places to train on and {} contact for the test set; at least "
                                     "{} and 1 are needed", table.file, table.rows.size(), contacts.size(), places.size(),
-                                    proved ? "some" : "none", least_contacts));
+                                    proved ? "a" : "no", least_places));
     name_apart(cases.paths);
     return cases;
 }

@@ -23,7 +23,7 @@ namespace tissue {
 ///   a displacement out of the tissue or longer than it; a force against the displacement
 ///   rows of one indentation that differ by more than repeats do
 ///   a contact of the test or validation set within 2 mm of a training contact
-/// and with the file alone when there are too few contacts.
+/// and with the file alone when there are fewer than four places to train on, or no contact for the test set.
 Cases measured_cases(const Study& study, const MeasuredTable& table);
 
 }  // namespace tissue

@@ -16,9 +16,8 @@ namespace tissue {
 ///   contradiction  Two rows at one contact (within 0.2 mm), with the same displacement (within 5 %), have forces that
 ///                  differ by more than 30 % of the larger one.
 ///   drift          Each force is divided by the mean of its indentation (column `push`). One straight line is fitted
-///   to
-///                  all these ratios in the order of the rows. Its slope is 5 standard errors or more, and it changes
-///                  by 2 % or more from the first row to the last.
+///                  to all these ratios in the order of the rows. Its slope is 5 standard errors or more, and it
+///                  changes by 2 % or more from the first row to the last.
 std::vector<std::string> measurement_warnings(const Study& study, const MeasuredTable& table);
 /// The same for measured histories; only the unit is checked.
 std::vector<std::string> measurement_warnings(const Study& study, const std::vector<History>& histories);

@@ -3,8 +3,8 @@
 #include <array>
 #include <map>
 
-#include "error.h"
 #include "springs/cell_volumes.h"
+#include "springs/contact_errors.h"
 #include "springs/contact_spring.h"
 #include "springs/energy_model_at_radius.h"
 #include "springs/law_kernel.h"
@@ -51,7 +51,7 @@ ContactTable contact_table(const TissueModel& model, const std::vector<int>& loa
                 table.k_N_m.push_back(contact.k_N_m[r]);
             }
             hardening.push_back({contact.hardening_1_J, contact.saturation_1_J, contact.coupling_N_m2, contact.curve == ContactCurve::compression ? 1.0 : 0.0});
-        } catch (const MismatchError&) {  // the lattice has no tissue near the contact
+        } catch (const NoContactError&) {
             hardening.push_back({0, 0, 0, 0});
         }
     const auto field = [](const auto& rows) {

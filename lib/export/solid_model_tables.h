@@ -43,7 +43,7 @@ struct ContactTable {
 SolidLawTables solid_law_tables(const TissueModel& model);
 
 /// Contact rows of load cases of such a model, each under its own disc. A case without tissue of the lattice near its
-/// contact has no rows.
+/// contact has no rows. Throws MismatchError for a disc outside the range of the model's (energy_model_at_radius).
 ContactTable contact_table(const TissueModel& model, const std::vector<int>& load_cases);
 
 }  // namespace tissue

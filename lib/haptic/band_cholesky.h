@@ -13,7 +13,6 @@ class BandCholesky {
    public:
     BandCholesky(int order, int half_bandwidth);
 
-    int order() const { return n_; }
     int half_bandwidth() const { return b_; }
     /// Storage of such a matrix [bytes].
     static double bytes(double order, double half_bandwidth) { return 8 * order * (half_bandwidth + 1); }

@@ -87,7 +87,6 @@ struct ContactLoads {
 class Dynamics {
    public:
     virtual ~Dynamics() = default;
-    virtual std::string name() const = 0;
 
     /// One step. Returns the force f of the tool on the tissue in it [N] (D). On spring sets the end nodes of the
     /// segment get w(j) f; on an energy model the contact distributes f.

@@ -1,5 +1,6 @@
 #include "haptic/energy_model_spectrum.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -77,11 +78,9 @@ std::vector<PressedPlace> places_over(const SpringMesh& mesh, const RealtimeMesh
     return places;
 }
 
-/// Stiffness of a contact along a direction while the nodes do not move [N/m].
-double at_once(const ContactSpring& contact, const EquilibriumState& state, const Point& way) {
-    constexpr double little_m = 1e-6;
-    const Eigen::VectorXd u = contact.gather(state.displacement);
-    return (contact.load(state.push_m + little_m * way, u).tool_force_N - contact.load(state.push_m, u).tool_force_N).norm() / little_m;
+/// Stiffness of a contact while the nodes do not move, along the direction in which it is stiffest [N/m].
+double at_once(const ContactSpring& contact, const EquilibriumState& state) {
+    return contact.tool_force_by_push(state.push_m, contact.gather(state.displacement)).operatorNorm();
 }
 
 /// Tangent stiffness of the tissue with `tools` equal contacts at one place [N/m] (N*D x N*D).
@@ -122,11 +121,11 @@ EnergyModelSpectrum energy_model_spectrum(const TissueModel& model, const Realti
             if (here > spectrum.largest || std::isnan(here)) spectrum.largest = here;  // std::max would drop NaN
         };
         take(untouched);
+        spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, untouched));
         for (const Point& way : place.ways) {
             const EquilibriumState state = solver.press(law.constants, place.contact, depth_m * way);
-            spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, untouched, way));
             if (state.push_m.norm() == 0) continue;  // no equilibrium at the first load step
-            spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, state, way));
+            spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, state));
             take(state);
             spectrum.static_N_m = std::max(spectrum.static_N_m, state.contact_force_N.norm() / state.push_m.norm());
         }

@@ -10,7 +10,7 @@ namespace tissue {
 struct EnergyModelSpectrum {
     double smallest;  ///< of the tissue at rest without a tool [1/s^2]
     double largest;   ///< over all states of energy_model_spectrum(), contacts included [1/s^2]; NaN when one is NaN
-    double contact_N_m;  ///< largest stiffness of a contact while the nodes do not move, at rest and indented [N/m]
+    double contact_N_m;  ///< largest stiffness of a contact in any direction while the nodes do not move, at rest and indented [N/m]
     double static_N_m = 0;  ///< largest force over tool displacement in equilibrium (secant) [N/m]
 };
 

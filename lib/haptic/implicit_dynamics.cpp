@@ -23,7 +23,6 @@ class ImplicitDynamics final : public Dynamics {
     ImplicitDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options)
         : mesh_(mesh), o_(options), numbering_(mesh), A_(order(numbering_), numbering_.half_bandwidth),
           x_(Eigen::VectorXd::Zero(2 * mesh.node_count())), z_(Eigen::MatrixXd::Zero(2 * mesh.node_count(), 2)) {}
-    std::string name() const override { return implicit_dynamics.name; }
 
    private:
     void step_under(MeshState& s, const ContactLoad* loads, [[maybe_unused]] int count, Point* force_N) noexcept override {

@@ -176,13 +176,12 @@ void Learner::try_to_learn_from(const Reading& reading) noexcept {
 
 void Learner::learn_from(const Reading& reading) {
     ForceMeasurement poke{reading.contact_m, reading.push_m, reading.measured_N};
-    if (relaxes_ && reading.learned != adaptation_.state().learned) {
-        ++dropped_;
-        return;
-    }
-    if (relaxes_ && reading.model_N.norm() > 0) try {
+    const auto drop = [this] { ++dropped_; };
+    if (relaxes_ && reading.learned != adaptation_.state().learned) return drop();
+    if (relaxes_) try {
             const Expected now = adaptation_.expect(poke.contact_m, poke.push_m);
-            if (now.status == SolverStatus::converged) poke.force_N *= now.force_N.norm() / reading.model_N.norm();
+            if (now.status != SolverStatus::converged || !(reading.model_N.norm() > 0)) return drop();
+            poke.force_N *= now.force_N.norm() / reading.model_N.norm();
         } catch (const MismatchError&) {  // contact on fixed nodes: Adaptation::learn() refuses it
         }
     Adaptation::State before = adaptation_.state();

@@ -48,19 +48,20 @@ struct LearnerOptions {
 ///
 /// For a model that relaxes, the measured force is converted to the static force that the adaptation expects: long-term
 /// or instantaneous (AdaptOptions::at_rest). It is multiplied by the model's static force of that kind over the model's
-/// force in the session. This needs a model that does not change during the measurement, and that has adapted to
-/// nothing else since; other measurements are dropped.
+/// force in the session. This needs a model that does not change during the measurement, that has adapted to nothing
+/// else since, and that has an equilibrium there; other measurements are dropped.
 ///
 /// The slew and the energy bound of Safety limit the force on the hand, whatever the model becomes. The unknowns are
 /// kept below log(HapticOptions::stiffest), for which the steps are stable.
 ///
 /// When an adaptation fails (out of memory, or a callback throws), adaptation ends and the session goes on. The tick
 /// keeps the last complete energy model, and the adaptation is reset to it. Later measurements are dropped, and
-/// failure() gives the cause. A force that drops to zero, for instance because a disk is full, would be worse; no tick
-/// needs the learner.
+/// failure() gives the cause. No tick needs the learner, and the end of a session sets the force on the hand to zero: a
+/// full disk is no reason for that.
 class Learner final : public TickHook {
    public:
-    /// model: that of the one simulation that the learner is a hook of. It and the adaptation must outlive the learner.
+    /// model: of the simulation that calls this hook; no other simulation may call it. It and the adaptation must
+    /// outlive the learner.
     /// Throws MismatchError where the model is no energy model, its tool is not a disc, the adaptation is of another
     /// mesh, or it may become stiffer than the model's steps allow.
     Learner(const HapticModel& model, Adaptation& adaptation, const LearnerOptions& options = {});
@@ -89,7 +90,7 @@ class Learner final : public TickHook {
     const char* failure() const { return failure_.data(); }
     long long readings() const { return readings_.load(); }    ///< number of measurements
     /// Number of measurements that were not used: the queue was full, patience_s was over, adaptation had failed, or a
-    /// model that relaxes had changed since.
+    /// model that relaxes had changed since or had no equilibrium there.
     long long dropped() const { return dropped_.load(); }
     bool arrived() const { return arrived_; }                  ///< the tick's model equals the one published last
 

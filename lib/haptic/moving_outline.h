@@ -12,7 +12,6 @@ class MovingOutline final : public MovingSurface {
     explicit MovingOutline(int segments);                ///< nodes are placed by set(); move() has no effect
     explicit MovingOutline(const SpringMesh& mesh);      ///< at rest; throws MismatchError for a solid mesh
 
-    int segments() const { return count_; }
     /// Sets the position of outline node b [m]. refresh() must follow the last one.
     void set(int b, const Eigen::Vector2d& position_m) noexcept {
         x_[static_cast<std::size_t>(b)] = position_m.x();

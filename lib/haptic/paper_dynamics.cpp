@@ -11,7 +11,6 @@ namespace {
 class PaperDynamics final : public Dynamics {
    public:
     PaperDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options) : mesh_(mesh), o_(options) {}
-    std::string name() const override { return paper_dynamics.name; }
 
    private:
     void step_under(MeshState& s, const ContactLoad* loads, [[maybe_unused]] int count, Point* force_N) noexcept override {

@@ -29,7 +29,6 @@ RealtimeEnergyModel::RealtimeEnergyModel(const TissueModel& model, const Realtim
     if (!springs.law().curve()) throw MismatchError(fmt::format("springs of an energy model must be geometric, not {}", springs.law().name()));
     if (!(*springs.law().curve() == law.curve)) throw MismatchError("the mesh and the energy model have different spring curves");
     const TissueEnergy energy(model.mesh, law);
-    if (law.constants.size() != energy.constant_count()) throw MismatchError("the constants of the energy model do not match the mesh");
     now_ = {law.constants, law.patch, law.contact_log_scale.size() > 0 ? law.contact_log_scale : Eigen::VectorXd::Zero(model.mesh.node_count())};
     contacts_.front().scale(now_.contact_log_scale);
 

@@ -29,10 +29,11 @@ struct BranchEnergies {
 /// The energy model of a TissueModel in the layout of the tick: forces of a TissueEnergy and of its contacts. Holds
 /// constants, no state.
 ///
-/// Springs are in the bands of a RealtimeMesh. In the plane the squares of a lattice form one contiguous run of slots,
-/// one per node. The force of a square acts at the ends of its diagonals. Any other region is stored as closed walks
-/// along its outline. In space, cubes form runs whose first nodes are consecutive. The force of a cube acts at its
-/// eight corners and follows from the displacement gradient at the centroid of its tissue.
+/// Springs are in the bands of a RealtimeMesh. In the plane the squares of a lattice are in the order of their first
+/// nodes; a node without a square has one of gain 0, so that the loop over them has no lookups. The area of a square
+/// is half the cross product of its diagonals. Other cells, and regions, are closed walks along their outlines. In
+/// space, cubes are in runs by the row of their first node (LatticeRows), with cubes of gain 0 in small gaps. The volume
+/// ratio of a cube is that of the displacement gradient at the centroid of its tissue.
 class RealtimeEnergyModel {
    public:
     /// springs: layout of the model's mesh, with the spring curve of its energy model; must outlive this object.

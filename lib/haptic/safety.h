@@ -11,8 +11,9 @@ struct SafetyOptions {
     double dt_s = 1e-3;             ///< 1 kHz
     /// largest force: of a Touch and its predecessor PHANTOM Omni, at the nominal position
     double force_max_N = 3.3;
-    /// fastest rise of force: 5 N per tick of 1 ms. Where force rises more slowly than the tissue's, the hand gives
-    /// less energy on the way in than the force returns on the way out
+    /// largest rate at which the force rises: 5 N per tick of 1 ms. Where the tissue's force rises faster, the device's
+    /// lags behind it: the hand then puts in less energy on the way in than it receives on the way out, within the
+    /// bound on energy (Safety)
     double slew_N_s = 5000;
     double speed_max_m_s = 2;       ///< of the device; hands at work stay below about 1 m/s
     double stale_s = 0.05;          ///< age of the oldest position that is accepted
@@ -74,8 +75,9 @@ class HeldForces {
 ///
 ///   1. A fault sets the force to zero at once, and so does stop(). After a tick that comes later than half of hold_s
 ///      the device may have released its force: F_{n-1} counts as zero from then on.
-///   2. |F_n - k F_{n-1}| <= slew dt for some k in [0, 1]: the force rises and turns by slew dt at most, and falls at
-///      once. A force that fell slowly while it drives a hand out would give energy that the tissue does not have.
+///   2. |F_n - k F_{n-1}| <= slew dt for some k in [0, 1]: the force may fall to any part k of the last one at once; from
+///      there it rises or turns by slew dt at most. A force that fell slowly while the hand moves out would do work
+///      that the tissue does not.
 ///   3. |F_n| <= force_max.
 ///   4. E_n <= r_n B where `passivity` is on; see below.
 ///   5. Rule 2 with the time since tick n - 1 in place of dt, where that is shorter.
@@ -176,8 +178,8 @@ class Safety {
     double elapsed_s_;                                      ///< duration of the previous tick
     double since_good_s_ = 0;                               ///< time since position_m_ was measured
     double between_s_ = 0;
-    /// time for which the fastest hand may have moved: the time between the last two positions plus what was left
-    /// unused before, at most max(dt, time between the two)
+    /// time at speed_max that the last motion left unused. The next motion may take this and the time between the two
+    /// positions, together at most the larger of dt and that time
     double allowed_s_ = 0;
     double observed_J_ = 0;
     double lateness_ = 1;

@@ -214,9 +214,9 @@ void Simulation::begin_record(ToolState& t, const DeviceSample& sample, double s
     t.same_position_s += since_s;
 }
 
-/// Begins a grasp where it was not asked for in the tick before, and the contact has a force of its own.
+/// Begins a grasp where the contact has a force of its own.
 void Simulation::begin_grasp(ToolState& t) noexcept {
-    if (!t.record.grasp || std::exchange(t.grasp_was_on, t.record.grasp) || !t.contact.pressing || !on_energy_model(t) || !model_.grasps(index_of(t))) return;
+    if (!t.contact.pressing || !on_energy_model(t) || !model_.grasps(index_of(t))) return;
     t.grasps = true;
     t.friction.begin();
 }
@@ -250,11 +250,14 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
     time_passes(since_s);
     keep_ticks_short(since_s, cost_s);
     const Point last_N = record().coupling_N;
+    bool goes_on[most_tools];  // the grasp, which was not asked for in the tick before
     for (std::size_t k = 0; k < tools_.size(); ++k) {
-        begin_record(tools_[k], samples[k], since_s);
         ToolState& t = tools_[k];
+        const bool was_on = t.record.grasp;
+        begin_record(t, samples[k], since_s);
         t.record.grasp = samples[k].grasp || t.grasp_asked;
-        if (!t.record.grasp) t.grasps = t.grasp_was_on = false;
+        goes_on[k] = t.record.grasp && !was_on;
+        if (!t.record.grasp) t.grasps = false;
     }
     reset_ = false;
 
@@ -269,7 +272,8 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
     // 4.2 collision detection
     if (std::any_of(tools_.begin(), tools_.end(), [](const ToolState& t) { return t.record.status == TickStatus::done; })) move_surfaces();
     bool folded = false;
-    for (ToolState& t : tools_) {
+    for (std::size_t k = 0; k < tools_.size(); ++k) {
+        ToolState& t = tools_[k];
         if (t.record.status == TickStatus::done && !find_contact(t)) {
             t.record.status = TickStatus::folded;
             folded = true;
@@ -279,7 +283,7 @@ __attribute__((noinline)) void Simulation::advance(const DeviceSample* samples, 
             continue;
         }
         if (!t.armed) t.record.status = TickStatus::not_armed;
-        begin_grasp(t);
+        if (goes_on[k]) begin_grasp(t);
     }
     if (folded) ++counters_.folded;
 
@@ -365,7 +369,7 @@ void Simulation::skip_tick(const DeviceSample* samples, Eigen::Vector3d* force_N
     for (int k = 0; k < tool_count(); ++k) {
         ToolState& t = of(k);
         constexpr double moved_m = 1e-3;
-        if (!(samples[k].grasp || t.grasp_asked)) t.grasps = t.grasp_was_on = false;
+        if (!(samples[k].grasp || t.grasp_asked)) t.grasps = t.record.grasp = false;
         if (!((samples[k].position_m - t.record.device_m).norm() < moved_m)) t.grasps = false;
         if (t.safety.force_N().isZero(0))
             t.stood_s += passed_s;
@@ -407,7 +411,11 @@ bool Simulation::come_to_rest_elsewhere() const noexcept {
 bool Simulation::put_to_rest() noexcept {
     constexpr double apart_m = 1e3;
     bool lost = come_to_rest_elsewhere();
-    for (const MeshState& state : states_) lost = lost || !(state.displacement.cwiseAbs().sum() < apart_m);
+    for (const MeshState& state : states_) {
+        const auto size = state.displacement.cwiseAbs();
+        // the sum bounds the largest, and takes a quarter of its time
+        lost = lost || (!(size.sum() < apart_m) && !(size.maxCoeff<Eigen::PropagateNaN>() < apart_m));
+    }
     if (!lost) return false;
     ++counters_.unstable;
     rest_meshes();

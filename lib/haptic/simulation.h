@@ -86,7 +86,7 @@ struct HapticCounters {
     /// ticks without an inside, and so without force: a surface crosses itself (in contact: the touched one), or two
     /// meshes overlap
     long long folded = 0;
-    /// times that meshes were put to rest: displacements not finite or 1 km in sum, or an untouched mesh that does not
+    /// times that meshes were put to rest: a displacement not finite or of 1 km, or an untouched mesh that does not
     /// return to rest
     long long unstable = 0;
     /// time that passed without being simulated: a stall too long to be made up for, or ticks that cost more than their

@@ -30,7 +30,6 @@ class SymplecticDynamics final : public Dynamics {
     SymplecticDynamics(const RealtimeMesh& mesh, const DynamicsOptions& options)
         : mesh_(mesh), law_(options.law), h_(options.dt_s), keep_(1 / (1 + h_ * options.damping_1_s)), gain_(h_ * keep_ * mesh.inverse_mass()),
           scratch_(options.law ? options.law->scratch() : RealtimeEnergyModel::Scratch{}), held_(NodeColumns::Zero(mesh.node_count(), mesh.dimension())) {}
-    std::string name() const override { return symplectic_dynamics.name; }
 
     void complete(MeshState& s) const noexcept override { mesh_.embedding().interpolate(s.displacement); }
 

@@ -17,7 +17,7 @@ void ToolState::fields(StateBytes& state) noexcept {
     DeviceImpedance& device = options.device;
     ToolSpring::Growth growth = spring.growth();
     state(options.map, device.mass_kg, device.damping_Ns_m, device.stiffness_N_m, device.force_max_N, device.rate_Hz, device.delay_s, safety, same_position_s, old_s, expected_s, stood_s, device_m, has_master,
-          clutched, grasp_asked, grasp_was_on, grasps, let_go, options.grasp_max_N, taken_over, carried_N, carried, contact, touched, coupling_N_m, memory, at_m, went_m, share, slid_m, slide_m_s, velocity_m_s, touched_m, friction, armed, unarmed, untouched_s, record, growth);
+          clutched, grasp_asked, grasps, let_go, options.grasp_max_N, taken_over, carried_N, carried, contact, touched, coupling_N_m, memory, at_m, went_m, share, slid_m, slide_m_s, velocity_m_s, touched_m, friction, armed, unarmed, untouched_s, record, growth);
     if (!state.reads()) return;
     options.friction = friction.options();
     options.safety = safety.options();
@@ -88,7 +88,7 @@ void ToolState::take_over(const ToolState& from, double period_s) noexcept {
     stood_s = from.stood_s;
     unarmed = from.unarmed;
     grasp_asked = from.grasp_asked;
-    grasp_was_on = from.grasp_was_on;
+    record.grasp = from.record.grasp;
     let_go = from.let_go;
     contacts = from.contacts;
     at_m = at_the_end(record.master_m, period_s) - period_s * velocity_m_s;

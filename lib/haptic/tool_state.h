@@ -37,7 +37,7 @@ struct TickRecord {
     Eigen::Vector3d weight = Eigen::Vector3d::Zero();  ///< weights of the facet's nodes at the contact
     int set = -1;                 ///< spring set in use; -1 for an energy model
     bool slipping = false;        ///< the contact moved along the surface in this tick
-    bool grasp = false;           ///< the tool was to grasp in this tick
+    bool grasp = false;           ///< the tool was to grasp in this tick, or no more in a skipped one after it
     bool grasped = false;         ///< and it holds the tissue
     TickStatus status = TickStatus::done;
     bool reset = false;           ///< before this tick every mesh was put to rest from outside (Simulation::reset)
@@ -95,7 +95,6 @@ struct ToolState {
     bool has_master = false;      ///< whether there was one
     bool clutched = false;
     bool grasp_asked = false;     ///< by Simulation::grasp
-    bool grasp_was_on = false;    ///< in the tick before, by that or by the device: a grasp begins when it goes on
     bool grasps = false;          ///< the contact is bilateral and does not slip
     long long let_go = 0;         ///< grasps that ended above HapticOptions::grasp_max_N
     bool taken_over = false;      ///< a take-over, and no tick since

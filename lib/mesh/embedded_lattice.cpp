@@ -43,7 +43,7 @@ Frame frame_of(const Shape& shape, double h, const Eigen::Vector3d& shift) {
                 first = std::min(first, shape.nodes(node, d));
                 last = std::max(last, shape.nodes(node, d));
             }
-        if (last - first < 1e-6 * (high - low)) {  // the fixed surface is a plane
+        if (first <= last && last - first < 1e-6 * (high - low)) {  // there is a fixed surface, and it is a plane
             const double below = std::ceil((first - low - slack) / h);
             frame.origin_m[d] = first - h * below;
         } else {

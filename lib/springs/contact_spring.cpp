@@ -111,24 +111,24 @@ ContactSpring::Load ContactSpring::load(const Point& push_m, const Eigen::Vector
     return {energy, rows.push.transpose() * slope, -(rows.pull.transpose() * slope)};
 }
 
-/// Second derivative of the energy by e, times pull.
-Eigen::MatrixXd ContactSpring::curvature_pull(const Point& push_m, const Eigen::VectorXd& u) const {
+/// Second derivative of the energy by e, times e_by (R rows).
+Eigen::MatrixXd ContactSpring::curvature_times(const Eigen::MatrixXd& e_by, const Point& push_m, const Eigen::VectorXd& u) const {
     const State at(*this, push_m, u);
-    Eigen::MatrixXd product = k_N_m.asDiagonal() * rows.pull;
+    Eigen::MatrixXd product = k_N_m.asDiagonal() * e_by;
     const Eigen::Index mean = at.hard;
-    product.topRows(mean) += at.rise * (k_N_m.head(mean).asDiagonal() * rows.pull.topRows(mean)) +
-                             at.bend * at.mean.head(mean) * (at.mean.head(mean).transpose() * rows.pull.topRows(mean));
+    product.topRows(mean) += at.rise * (k_N_m.head(mean).asDiagonal() * e_by.topRows(mean)) +
+                             at.bend * at.mean.head(mean) * (at.mean.head(mean).transpose() * e_by.topRows(mean));
     if (coupling_N_m2 != 0) {
         Eigen::Matrix3d c;
         const ContactCoupling& k = at.coupling;
         c << k.curvature * at.across(), k.slope * at.e[1], k.slope * at.e[2], k.slope * at.e[1], k.s, 0, k.slope * at.e[2], 0, k.s;
-        product.topRows<3>() += coupling_N_m2 * c * rows.pull.topRows<3>();
+        product.topRows<3>() += coupling_N_m2 * c * e_by.topRows<3>();
     }
     return product;
 }
 
 Eigen::MatrixXd ContactSpring::tangent(const Point& push_m, const Eigen::VectorXd& u) const {
-    const Eigen::MatrixXd product = curvature_pull(push_m, u);
+    const Eigen::MatrixXd product = curvature_times(rows.pull, push_m, u);
     if (rows.touched.empty()) return rows.pull.transpose() * product;
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(product.cols(), product.cols());
     for (std::size_t g = 0; g < rows.touched.size(); ++g)
@@ -139,7 +139,11 @@ Eigen::MatrixXd ContactSpring::tangent(const Point& push_m, const Eigen::VectorX
 }
 
 Eigen::MatrixXd ContactSpring::tool_force_by_nodes(const Point& push_m, const Eigen::VectorXd& u) const {
-    return -(rows.push.transpose() * curvature_pull(push_m, u));
+    return -(rows.push.transpose() * curvature_times(rows.pull, push_m, u));
+}
+
+Eigen::MatrixXd ContactSpring::tool_force_by_push(const Point& push_m, const Eigen::VectorXd& u) const {
+    return rows.push.transpose() * curvature_times(rows.push, push_m, u);
 }
 
 ContactSpring::Load ContactSpring::by_parameter_row(int m, const Point& push_m, const Eigen::VectorXd& u) const {

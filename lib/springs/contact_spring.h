@@ -39,6 +39,7 @@ struct ContactSpring {
 
     Eigen::MatrixXd tangent(const Point& push_m, const Eigen::VectorXd& u) const;        ///< d node_N / du (D*K x D*K)
     Eigen::MatrixXd tool_force_by_nodes(const Point& push_m, const Eigen::VectorXd& u) const;  ///< d tool_force_N / du (D x D*K)
+    Eigen::MatrixXd tool_force_by_push(const Point& push_m, const Eigen::VectorXd& u) const;   ///< d tool_force_N / dd (D x D)
     /// Derivatives of all three members of Load by parameter_value[m].
     Load by_parameter_row(int m, const Point& push_m, const Eigen::VectorXd& u) const;
 
@@ -51,7 +52,7 @@ struct ContactSpring {
     /// Bound of ContactCoupling [1/m].
     double coupling_bound() const { return curve == ContactCurve::compression ? 2 * coupling_N_m2 / k_N_m[1] : 0; }
     struct State;  ///< quantities derived from e
-    Eigen::MatrixXd curvature_pull(const Point& push_m, const Eigen::VectorXd& u) const;
+    Eigen::MatrixXd curvature_times(const Eigen::MatrixXd& e_by, const Point& push_m, const Eigen::VectorXd& u) const;
 };
 
 }  // namespace tissue

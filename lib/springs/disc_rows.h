@@ -8,12 +8,12 @@ namespace tissue {
 /// imprint_normal, imprint_tangent [N/m], hardening, saturation [1/J], coupling [N/m^2]. radius_m: disc radius R > 0;
 /// spacing_m: cube edge h > 0 of the lattice. NaN for other values.
 ///
-/// The first four are derived. In series with a half space of isotropic springs and cells (springs/energy_model_terms.h, cells
-/// at 0.95 of a cap of 12 E) they give the result of linear elasticity for incompressible tissue. That is 64/45 E R
-/// along the normal, the force conjugate to d under Hertz's pressure, and 2/3 of it along the surface, for a traction
-/// of the same profile. The mean rows bear 0.55 of the normal force and 0.36 of the tangential one; the imprint rows
-/// bear the rest. The rows thus depend on R / h: the smaller the disc, the smaller the lattice's part of the compliance
-/// (0 at R / h = 0), and the larger that of the rows.
+/// The first four are derived. The rows are in series with the lattice, here a half space of isotropic springs whose
+/// cells have 0.95 of a cap of 12 E, as before training (start_below_cap, springs/energy_model_terms.h). Together they
+/// have the stiffness of incompressible linear elasticity: along the normal 64/45 E R, of the force conjugate to d
+/// under Hertz's pressure; along the surface 2/3 of that, under a traction of the same profile. The mean rows bear 0.55
+/// of the normal force and 0.36 of the tangential one; the imprint rows bear the rest. The compliance that the lattice
+/// has depends on R / h and is 0 at R / h = 0, so that of the rows depends on R / h too, and is largest there.
 ///
 /// They are fitted within 0.6 % to the compliances of the contact of springs/polar_points.h at R / h = 0.25, 0.5, 0.75,
 /// 1, 1.0667, 1.25, 1.5, 2 and 2.5. These are means over 8 places in a cube: four along the surface, which is a lattice

@@ -146,7 +146,7 @@ EnergyModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
         if (!(law.relaxation.contact_share.sum() < 1)) in.refuse("/law/contact_share", "sum to 1 or more");
     }
     try {
-        const int wanted = TissueEnergy(mesh, law).constant_count();
+        const int wanted = TissueEnergy(mesh, law.incompressible, law.curve).constant_count();
         if (law.constants.size() != wanted)
             in.refuse("/law/constants", fmt::format("are {}, must be {} for this mesh", law.constants.size(), wanted));
     } catch (const MismatchError& e) {

@@ -23,7 +23,7 @@ enum class SolverStatus {
     /// no equilibrium found: no load step down to smallest_step of the displacement reached max |g| <= tolerance |F|
     no_equilibrium
 };
-const char* to_string(SolverStatus status);
+const char* to_string(SolverStatus status);  ///< the word of files (results/FORMATS.md) and of Python
 
 struct SolverOptions {
     /// in the plane: longest load step over the mean spacing of the surface's nodes; 10 mm spacing: 2.5 mm steps
@@ -81,7 +81,7 @@ class EquilibriumSolver {
 
     /// Starts from rest, or from the equilibrium `from` at another displacement of the same contact. `from` may also be
     /// an equilibrium of other constants at the same displacement; it is then a first guess. If a step fails, the
-    /// result is the last equilibrium that was reached, with status `lost`. Throws FixedContactError where all nodes of
+    /// result is the last equilibrium that was reached, with status `no_equilibrium`. Throws FixedContactError where all nodes of
     /// a contact are fixed.
     EquilibriumState press(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
                      const EquilibriumState* from = nullptr) {

@@ -10,7 +10,6 @@
 #include "springs/law_kernel.h"
 
 namespace tissue {
-namespace {
 
 EquilibriumStatus status_of(SolverStatus status) {
     switch (status) {
@@ -25,8 +24,6 @@ EquilibriumStatus status_of(SolverStatus status) {
     }
     return EquilibriumStatus::not_converged;
 }
-
-}  // namespace
 
 IndentationSolver::IndentationSolver(const SpringMesh& mesh, EnergyModel law)
     : law_(std::move(law)), energy_(mesh, law_), mesh_(mesh), kernel_(make_contact_kernel(mesh, law_)) {}

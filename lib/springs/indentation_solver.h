@@ -16,6 +16,9 @@ struct ToolPush {
     Point contact_m, push_m;
 };
 
+/// The same outcome in the words of a spring mesh, for reason_of().
+EquilibriumStatus status_of(SolverStatus status);
+
 /// Equilibrium under several tools.
 struct ToolsEquilibrium {
     NodeField displacement;                       ///< u [m] (N x D)
@@ -27,8 +30,8 @@ struct ToolsEquilibrium {
 
 /// Indentation of an energy model at any place of its surface. Each solution starts from rest, so the result does not
 /// depend on earlier ones. Many threads may use one object; each takes a solver of its own. A solver keeps its matrix
-/// pattern while contacts have the same nodes. Constructors throw MismatchError for a mesh that TissueEnergy or the
-/// contact kernel refuses. They do not check the number of constants.
+/// pattern while contacts have the same nodes. Constructors throw MismatchError for a mesh or a number of
+/// constants that TissueEnergy or the contact kernel refuses.
 class IndentationSolver {
    public:
     IndentationSolver(const SpringMesh& mesh, EnergyModel law);
@@ -39,7 +42,7 @@ class IndentationSolver {
     /// Equilibrium with a tool displacement push_m [m] (D) at the surface point nearest to contact_m [m] (D): force of
     /// the tool and displacement of the mesh.
     /// Status: `not_converged` where the load steps failed; `unstable` where the equilibrium is not a minimum;
-    /// `inside_out` where a cell is inverted; in the plane `contact_fixed` on the fixed edge; in space `no_contact`
+    /// `inverted` where a cell is; in the plane `contact_fixed` on the fixed edge; in space `no_contact`
     /// where the lattice has no tissue nearby.
     Equilibrium at(const Point& contact_m, const Point& push_m) const;
 

@@ -1,10 +1,13 @@
 #include "springs/tissue_energy.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <numeric>
 
+#include "error.h"
 #include "mesh/topology.h"
 #include "springs/region_area.h"
 #include "springs/turning_springs.h"
@@ -39,6 +42,10 @@ TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible, const Sp
             kinds_.push_back(std::make_unique<RegionArea>(mesh, cells, region));
     }
     for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
+}
+
+TissueEnergy::TissueEnergy(const SpringMesh& mesh, const EnergyModel& law) : TissueEnergy(mesh, law.incompressible, law.curve) {
+    if (law.constants.size() != constant_count()) throw MismatchError(fmt::format("the energy model has {} constants, must have {} for this mesh", law.constants.size(), constant_count()));
 }
 
 double TissueEnergy::energy(const Eigen::VectorXd& constants, const NodeField& u) const {

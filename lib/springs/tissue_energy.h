@@ -36,8 +36,8 @@ class TissueEnergy {
     /// incompressible: in the plane, whether there are regions; ignored in space. curve: force curve of the springs.
     TissueEnergy(const SpringMesh& mesh, bool incompressible, const SpringCurve& curve = {});
 
-    /// Energy of an energy model on its mesh.
-    TissueEnergy(const SpringMesh& mesh, const EnergyModel& law) : TissueEnergy(mesh, law.incompressible, law.curve) {}
+    /// Energy of an energy model on its mesh. Throws MismatchError where the model has another number of constants.
+    TissueEnergy(const SpringMesh& mesh, const EnergyModel& law);
 
     const std::vector<std::unique_ptr<Elements>>& kinds() const { return kinds_; }
     int first_of(std::size_t kind) const { return first_[kind]; }  ///< index of its first constant

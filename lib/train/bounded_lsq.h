@@ -35,7 +35,9 @@ enum class LsqStatus {
 struct BoundedLsqSummary {
     Eigen::VectorXd theta;     ///< [N/m] (S), inside the box; a spring with a zero column keeps its start
     double residual_norm = 0;  ///< |b - B theta|
-    double kkt_residual = 0;   ///< as in certificate.h, over |b|
+    /// Residual of the Karush-Kuhn-Tucker conditions: the largest change of B theta, over |b|, when one spring alone
+    /// moves to its own optimum inside the box. Zero at the optimum and only there.
+    double kkt_residual = 0;
     int iterations = 0;
     LsqStatus status = LsqStatus::iterations_done;
 };

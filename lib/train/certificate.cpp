@@ -31,17 +31,4 @@ double loss_gap(double loss, double lower_bound, double scale) {
     return (loss - lower_bound) / std::max(lower_bound, 0.05 * scale);
 }
 
-double kkt_residual(const ForceLoss& loss, const Eigen::VectorXd& theta, const Box& box) {
-    const Eigen::VectorXd gradient = loss_gradient(loss, theta);
-    double largest = 0;
-    for (Eigen::Index s = 0; s < theta.size(); ++s) {
-        const double norm = loss.matrix().col(s).norm();
-        if (!(norm > 0)) continue;
-        const double best = std::clamp(theta[s] - gradient[s] / (norm * norm), box.lo[s], box.hi[s]);
-        largest = std::max(largest, std::abs(best - theta[s]) * norm);
-    }
-    const double target = loss.target().norm();
-    return target > 0 ? largest / target : largest;
-}
-
 }  // namespace tissue

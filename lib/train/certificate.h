@@ -29,8 +29,4 @@ double loss_lower_bound(const ForceLoss& loss, const Eigen::VectorXd& theta, con
 /// exactly. loss, lower_bound, scale (ForceLoss::scale): in the same unit, newtons in every study.
 double loss_gap(double loss, double lower_bound, double scale);
 
-/// Residual of the Karush-Kuhn-Tucker conditions at theta [N/m] (S): the largest change of weighted force, over
-/// |target|, when one spring alone moves to its own optimum inside the box. Zero at the optimum and only there.
-double kkt_residual(const ForceLoss& loss, const Eigen::VectorXd& theta, const Box& box);
-
 }  // namespace tissue

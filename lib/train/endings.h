@@ -18,7 +18,7 @@ struct Endings {
 ///  - a problem, or the one set, whose ProblemStatus is not `posed`;
 ///  - a set that `stalled` with a gap above 1e-3 to the certified optimum;
 ///  - an energy model whose kept start ended with `no_progress`, `held_back` or `iterations_done` (studies do not set
-///    their number), or with a training record that is not `held` (SolverStatus in springs/equilibrium_solver.h).
+///    their number), or with a training record that has not converged (SolverStatus in springs/equilibrium_solver.h).
 /// A stop criterion of the study (`iterations_done`, `time_out`, `target_met`) and the regular end of the paper's
 /// method (`restarts_exhausted`) are in `other`. A file of an earlier version has no status of the optimum.
 Endings endings_of(const ProblemRecord& problems, const std::vector<SetDiagnostics>& trained, const OptimumCertificate& optimum);

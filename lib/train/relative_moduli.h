@@ -22,7 +22,7 @@ namespace tissue {
 struct FittedModuli {
     Eigen::VectorXd share;     ///< g (K)
     double grown = 1;          ///< instantaneous moduli over the moduli of the model
-    double kkt_residual = 0;   ///< of the optimum (train/certificate.h), before the scaling of `bounded`
+    double kkt_residual = 0;   ///< of the optimum (train/bounded_lsq.h), before the scaling of `bounded`
     double misfit = 0;         ///< remaining relative rms error: root of the mean of the objective over the histories
     /// TrainStatus of the solve (train/optimizer.h). "bounded": the sum of the optimal g was above 0.98; they are
     /// scaled to that sum, and no longer optimal.

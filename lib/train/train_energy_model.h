@@ -60,7 +60,7 @@ struct TrainedEnergyModel {
     double objective = 0;                  ///< at the coefficients, ridge included (train_energy_model)
     std::vector<FitResult> starts;         ///< result of each start
     std::size_t kept = 0;                  ///< index of the start that gives the coefficients
-    std::vector<std::string> lost;         ///< "path at 10 mm: lost at 7.5 mm": records not `held` at the end
+    std::vector<std::string> lost;         ///< "path at 10 mm: lost at 7.5 mm": records not converged at the end
     double seconds = 0;
 };
 
@@ -69,7 +69,7 @@ struct TrainedEnergyModel {
 ///   mean over records of |F_model - F|^2 / (force_scale |F|)^2 + |u_model - u|^2 / (shape_scale |u|)^2
 ///   + |ridge p|^2
 /// The second term is left out where u is not known. u has the nodes of options.seen, with the skin (springs/skin.h).
-/// Derivatives of the equilibrium are implicit (EquilibriumSolver::derivative). A record without convergence (`lost`) counts
+/// Derivatives of the equilibrium are implicit (EquilibriumSolver::derivative). A record without equilibrium (`lost`) counts
 /// as if force and displacement of the model were 0. The fit accepts no step that loses a record (nonlinear_fit). Of
 /// several starts the one with the fewest lost records is kept, then the one with the smallest objective. Parallel over
 /// paths; the result does not depend on the number of threads.
@@ -83,8 +83,8 @@ using LawRests = std::vector<std::vector<EquilibriumState>>;
 
 /// Residuals f of that objective, which is their sum of squares, and their derivative J by the coefficients p.
 /// Rows: for each record the force (D), then the displacement where known (D * seen nodes); at the end the ridge (P).
-/// lost: appends a line for each record that is not `held`. rests: starts of the equilibrium solves, updated. gone: 1
-/// for each record that is `lost`, else 0.
+/// lost: appends a line for each record that has not converged. rests: starts of the equilibrium solves, updated. gone: 1
+/// for each record without an equilibrium, else 0.
 void law_residuals(const SpringMesh& mesh, const EnergyModelTerms& law, const std::vector<PressPath>& paths,
                    const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
                    Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost = nullptr,

@@ -23,7 +23,7 @@ struct SetDiagnostics {
 struct OptimumCertificate {
     Eigen::VectorXd loss_N, rel_loss;       ///< as in SetDiagnostics (C)
     Eigen::VectorXd lower_bound_N;          ///< L_lb of the minimised loss (C)
-    Eigen::VectorXd kkt_residual;           ///< over the norm of the minimised loss's target, train/certificate.h (C)
+    Eigen::VectorXd kkt_residual;           ///< over the norm of the minimised loss's target, train/bounded_lsq.h (C)
     /// LsqStatus of each, train/bounded_lsq.h (C); empty: file of an earlier version.
     std::vector<std::string> status;
     double seconds = 0;                     ///< wall time of all sets together; an attribute, not a dataset

@@ -31,7 +31,7 @@ def learned(file):
         group = model["adaptation"]
         x, sd = group["x"][:], np.sqrt(np.diag(group["covariance"][:]))
         if group.attrs["rival"] and group.attrs["evidence"] < 0:  # one scale for all the tissue is likelier
-            x = np.full_like(x, group.attrs["scale"])
+            x, sd = np.full_like(x, group.attrs["scale"]), np.full_like(x, np.sqrt(group.attrs["scale_variance"]))
         return model["mesh/nodes"][:], model["mesh/triangles"][:], np.exp(x), sd, int(group.attrs["learned"])
 
 

@@ -121,6 +121,8 @@ TEST_CASE("a uniform scale is used while it explains all measurements and the fi
     CHECK_FALSE(without.single_scale_in_use());
     CHECK((with_rival.state().x - without.state().x).norm() < 1e-4);  // the field does not depend on the scale
     CHECK(with_rival.state().scale == Approx(0.5).epsilon(0.01));
+    CHECK((with_rival.sd().array() - std::sqrt(with_rival.state().scale_variance)).abs().maxCoeff() < 1e-12);
+    CHECK((without.sd().array().square() - without.state().P.diagonal().array()).abs().maxCoeff() < 1e-12);
     CHECK(worst_error(with_rival.model(), held_out) < 0.01);
     CHECK(worst_error(with_rival.model(), held_out) < 0.5 * worst_error(without.model(), held_out));
     const Expected e = with_rival.expect(held_out[0].contact_m, held_out[0].push_m);
@@ -180,6 +182,9 @@ TEST_CASE("an invalid measurement is refused and leaves the state unchanged bit 
     refused(poke, "2 axes");
     CHECK(adaptation.learn(pokes[1]).status == UpdateStatus::learned);
     CHECK(adaptation.state().refused == 10);
+    Adaptation fresh(law, options());
+    CHECK_THAT(fresh.learn({Eigen::Vector2d(0.05, 0.1), Eigen::Vector2d(0, -0.03), Eigen::Vector2d(0, -2)}).why,
+               Contains("the model has no equilibrium there: the spring mesh is unstable under the indentation"));
 }
 
 TEST_CASE("a force ten times too large is gated and four in a row cause a warning", "[adapt]") {

@@ -141,6 +141,19 @@ TEST_CASE("the next measurement is proposed where it reduces the posterior varia
     CHECK(1 - variance() / before == Approx(worth.front().gain).epsilon(0.02));
 }
 
+TEST_CASE("a proposed measurement has the standard deviation of the expected force while one scale is in use", "[adapt]") {
+    const TissueModel law = law_example();
+    Adaptation adaptation(law);
+    for (const ForceMeasurement& poke : pokes_of(stiffer(law, 0.5), 3)) adaptation.learn(poke);
+    REQUIRE(adaptation.single_scale_in_use());
+    const std::vector<Push> pushes = pushes_over(adaptation.surface(), law.mesh, 0.005, 0.02);
+    for (const MeasurementGain& worth : rank_measurements(adaptation, pushes, pushes)) {
+        const Push& push = pushes[worth.push];
+        CHECK(worth.sd_before == Approx(std::sqrt(adaptation.covariance(adaptation.expect(push.contact_m, push.push_m), false).trace() / 2)));
+        CHECK(worth.sd_before < 0.1);  // a field would still have its prior's, where nothing was measured
+    }
+}
+
 TEST_CASE("measurements are read line by line and an invalid line is reported with its place", "[adapt]") {
     const std::string header = "contact_x [mm],contact_y [mm],displacement_x [mm],displacement_y [mm],force_x [mN],force_y [N]\n";
     std::istringstream in("# a robot\n" + header + "10,100,0,-5,20,-1.5\n10,100,0,-5,nan,-1.5\n\n10,100,0\n10,\xe4,0,-5,20,-1\n\"10,100,0,-5,20,-1\n20,100,0,-4,0,-1\n");

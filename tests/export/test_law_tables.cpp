@@ -147,6 +147,13 @@ TEST_CASE("each exported load case is indented by its own disc", "[export][solid
     const ContactTable table = contact_table(model, {0});
     CHECK(Eigen::Map<const Eigen::VectorXd>(table.k_N_m.data(), static_cast<Eigen::Index>(table.k_N_m.size())) == contact.k_N_m);
     CHECK(table.hardening(0, 0) == contact.hardening_1_J);
+    TissueModel wide = model;
+    wide.case_radius_m.setConstant(0.05);
+    CHECK_THAT(refusal<MismatchError>([&] { contact_table(wide, {0}); }), Contains("radius 50 mm"));
+    TissueModel apart = model;  // its surface is moved away from its lattice
+    apart.mesh.nodes.topRows(apart.mesh.embedding.node_count()).col(2).array() += 0.05;
+    apart.contact_m.col(2).array() += 0.05;
+    CHECK(contact_table(apart, {0}).load_case.empty());
 
     const Files files = csv_files(model, cases);
     CHECK_THAT(files.at("presses.csv"), StartsWith("case,contact_x_m,contact_y_m,contact_z_m,radius_m,push_x_m") && Contains(",0.02,0.004,"));

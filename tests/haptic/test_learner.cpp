@@ -301,6 +301,43 @@ TEST_CASE("measurements of tissue that relaxes are right in a contact during whi
     CHECK(worst_error(rested, s.pokes) < 0.02);
 }
 
+TEST_CASE("a measurement of tissue that relaxes is dropped where the model in use has no equilibrium to convert its force by", "[adapt][memory]") {
+    const TissueModel law = relaxing(law_example());
+    HapticOptions options = options_for_learning();
+    options.safety.force_max_N = 20;  // else the tool stays behind the hand
+    const HapticModel model(law, options);
+    Adaptation adaptation(law, live());
+    // 30 mm deep the trained model is unstable; a field that is stiff at the contact is not
+    const Point contact_m = Eigen::Vector2d(0.05, 0.1), push_m = Eigen::Vector2d(0, -0.03);
+    Adaptation::State state = adaptation.state();
+    for (Eigen::Index n = 0; n < state.x.size(); ++n)
+        if ((adaptation.unknowns().place_m.row(n).transpose() - contact_m).norm() < 0.03) state.x[n] = 1.4;
+    adaptation.restore(state);
+    const Expected by_field = adaptation.expect(contact_m, push_m);
+    REQUIRE(by_field.status == SolverStatus::converged);
+    state.evidence = -1;  // the scale is in use, which is that of the trained model
+    adaptation.restore(state);
+    REQUIRE(adaptation.single_scale_in_use());
+    REQUIRE(adaptation.expect(contact_m, push_m).status != SolverStatus::converged);
+    Learner learner(model, adaptation);
+    Simulation simulation(model);
+    TickStatistics books;
+    books.clock = false;
+    for (int k = 0; k < 3000; ++k) {
+        learner.before(simulation);
+        DeviceSample sample = sample_at(0.05, 0.1 - std::min(2e-5 * k - 0.005, 0.03));
+        sample.measured_N.head<2>() = by_field.force_N;
+        sample.measured_N[2] = 0;
+        simulation.tick(sample);
+        learner.after(simulation, books);
+    }
+    learner.stop();
+    CHECK(learner.readings() == 1);
+    CHECK(learner.dropped() == 1);
+    CHECK(adaptation.state().learned == 0);
+    CHECK(adaptation.state().x == state.x);
+}
+
 TEST_CASE("a hand without a sensor or in motion gives no measurement and one at rest gives one", "[adapt]") {
     const TissueModel law = law_example();
     HapticModel model(law, options_for_learning());
@@ -453,7 +490,7 @@ TEST_CASE("adaptation of another mesh or beyond the stiffness of the steps or to
     Adaptation other(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)), live());
     CHECK_THROWS_WITH(Learner(model, other), Contains("other than the session's"));
     Adaptation bold(law);
-    CHECK_THROWS_WITH(Learner(model, bold), Contains("time steps are stable up to"));
+    CHECK_THROWS_WITH(Learner(model, bold), Contains("the session's time steps are stable up to"));
     HapticModel sets(haptic_example(), {});
     CHECK_THROWS_WITH(Learner(sets, other), Contains("only an energy model"));
 }

@@ -146,6 +146,18 @@ TEST_CASE("the spectrum of an energy model is that of its tangents at rest and i
     CHECK(spectrum.largest < 1.2 * stiffest);
 }
 
+TEST_CASE("the contact stiffness of an energy model is that of its stiffest direction", "[law]") {
+    TissueModel across = law_example(), in = across;
+    auto stiffness = across.energy_model->patch.log_N_m;
+    stiffness.row(1) = stiffness.row(0);
+    stiffness(1, 0) += 1;  // e times as stiff along the surface as straight in
+    across.energy_model->patch.log_N_m = stiffness;
+    stiffness.row(0).swap(stiffness.row(1));
+    in.energy_model->patch.log_N_m = stiffness;
+    const double straight_N_m = energy_model_spectrum(in, springs_of(in)).contact_N_m;
+    CHECK(energy_model_spectrum(across, springs_of(across)).contact_N_m == Approx(straight_N_m).epsilon(1e-9));
+}
+
 TEST_CASE("for very small masses the highest frequency of an energy model is right or not finite", "[law][long]") {
     TissueModel model = law_example();
     const double largest = energy_model_spectrum(model, springs_of(model)).largest;

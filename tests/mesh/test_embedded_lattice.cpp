@@ -118,6 +118,15 @@ TEST_CASE("a fixed plane is a lattice plane of the embedded lattice", "[embedded
     CHECK(mesh.fixed == edge_mesh(shape).fixed);
 }
 
+TEST_CASE("the lattice of a solid without a fixed surface is centred on its bounding box", "[embedded]") {
+    Shape shape = dome(6);
+    shape.fixed_facets.clear();
+    const SpringMesh mesh = embedded_lattice(shape, 9 * mm);
+    const auto middle = [](const NodeField& nodes) { return Eigen::RowVectorXd((nodes.colwise().minCoeff() + nodes.colwise().maxCoeff()) / 2); };
+    CHECK((middle(mesh.nodes.bottomRows(mesh.node_count() - mesh.embedding.node_count())) - middle(shape.nodes)).norm() < 1e-12);
+    CHECK(mesh.fixed.empty());
+}
+
 TEST_CASE("interpolation from the lattice to the solid's nodes is exact for linear fields", "[embedded]") {
     const SpringMesh mesh = embedded_lattice(turned_dome(), 9 * mm);
     const int K = mesh.embedding.node_count();

@@ -50,6 +50,20 @@ check "--readings: one line states the cause" grep -q '^tissuectl: .*/model.h5: 
 
 check "learned.py draws the learned field" "$PYTHON" "$root/scripts/figures/learned.py" "$scratch/map.png" "$scratch/whole.h5" --truth 20 60 10
 check "learned.py writes a picture" exist "$scratch/map.png"
+check "learned.py draws the scale and its standard deviation where one scale is in use" "$PYTHON" -B - "$root/scripts/figures" "$scratch/whole.h5" "$scratch/drawn.h5" <<'PY'
+import shutil, sys
+sys.path.insert(0, sys.argv[1])
+import h5py
+import numpy as np
+from learned import learned
+shutil.copy(sys.argv[2], sys.argv[3])
+for evidence in (1.0, -1.0):
+    with h5py.File(sys.argv[3], "r+") as model:
+        model["adaptation"].attrs.update(evidence=evidence, scale=0.3, scale_variance=0.04)
+        x, sd = model["adaptation/x"][:], np.sqrt(np.diag(model["adaptation/covariance"][:]))
+    _, _, factor, drawn_sd, _ = learned(sys.argv[3])
+    assert np.allclose(factor, np.exp(x if evidence > 0 else 0.3)) and np.allclose(drawn_sd, sd if evidence > 0 else 0.2), (evidence, factor, drawn_sd)
+PY
 check "learned.py refuses a model that has learned nothing, in one line" sh -c "! '$PYTHON' '$root/scripts/figures/learned.py' '$scratch/map.png' '$model' 2>'$scratch/log' && grep -q 'has learned no field' '$scratch/log'"
 
 "$PYTHON" -B "$root/tests/serve/test_page_learned.py" "$TISSUECTL" "$scratch/whole.h5" "$model" || failures=$((failures + 1))

@@ -3,12 +3,15 @@
 #include <catch2/catch.hpp>
 
 #include "../mesh/embedded_block.h"
+#include "../refusal.h"
+#include "error.h"
 #include "parallel.h"
 #include "../solid_law_example.h"
 #include "springs/disc_contact.h"
 #include "springs/energy_model_terms.h"
 
 using namespace tissue;
+using Catch::Matchers::Contains;
 
 namespace {
 
@@ -22,6 +25,17 @@ TissueModel law_model(const SpringMesh& mesh, const std::string& formulation) {
 }
 
 }  // namespace
+
+TEST_CASE("an energy model with too few or too many constants for its mesh is refused", "[law]") {
+    for (const TissueModel& model : {law_model(make_lattice("grid8", 3, 3, 0.1, 0.1), "plane-strain"), solid_law_example(embedded_block(Lattice{{3, 3, 2}, {0.03, 0.03, 0.02}}))}) {
+        const Eigen::Index right = model.energy_model->constants.size();
+        for (const Eigen::Index wrong : {right - 1, right + 1, Eigen::Index(0)}) {
+            TissueModel other = model;
+            other.energy_model->constants = Eigen::VectorXd::Ones(wrong);
+            CHECK_THAT(refusal<MismatchError>([&] { IndentationSolver press(other); }), Contains("has " + std::to_string(wrong) + " constants, must have " + std::to_string(right)));
+        }
+    }
+}
 
 TEST_CASE("LawPress gives bit-identical results from several threads and from a new object", "[law]") {
     const TissueModel model = law_model(make_lattice("grid8", 6, 6, 0.1, 0.1), "plane-strain");

@@ -127,7 +127,11 @@ TEST_CASE("forces of a hardening contact are derivatives of its energy; its tang
         const Eigen::Vector3d by = h * Eigen::Vector3d::Unit(d);
         CHECK(load.tool_force_N[d] == Approx((spring.load(push + by, u).energy_J - spring.load(push - by, u).energy_J) / (2 * h)).epsilon(1e-6));
     }
-    const Eigen::MatrixXd tangent = spring.tangent(push, u), hand_by = spring.tool_force_by_nodes(push, u);
+    const Eigen::MatrixXd tangent = spring.tangent(push, u), hand_by = spring.tool_force_by_nodes(push, u), hand_by_push = spring.tool_force_by_push(push, u);
+    for (int d = 0; d < 3; ++d) {
+        const Eigen::Vector3d by = h * Eigen::Vector3d::Unit(d);
+        CHECK((hand_by_push.col(d) - Eigen::VectorXd((spring.load(push + by, u).tool_force_N - spring.load(push - by, u).tool_force_N) / (2 * h))).norm() < 1e-6 * hand_by_push.norm());
+    }
     for (Eigen::Index k = 0; k < u.size(); k += 5) {
         Eigen::VectorXd low = u, high = u;
         low[k] -= h;

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "gsl.h"
 #include "mesh/spring_mesh.h"
 #include "springs/heuristic.h"
 #include "springs/spring_law.h"
+#include "train/certificate.h"
 #include "train/optimizer.h"
 
 namespace tissue::test {
@@ -61,6 +64,17 @@ inline Problem lattice_problem(const std::string& topology, const std::string& l
     for (double& theta : truth) theta = softest + 2 * gsl_rng_uniform(rng.get());
     return {ForceLoss(A, A * truth, Eigen::VectorXd::Constant(u.size(), 0.9)), make_box(truth.size(), 0.05, 40),
             Eigen::VectorXd::Ones(truth.size()), truth};
+}
+
+/// BoundedLsqSummary::kkt_residual at any theta [N/m] (S), by its definition.
+inline double kkt_residual(const ForceLoss& loss, const Eigen::VectorXd& theta, const Box& box) {
+    const Eigen::VectorXd gradient = loss_gradient(loss, theta);
+    double largest = 0;
+    for (Eigen::Index s = 0; s < theta.size(); ++s) {
+        const double norm = loss.matrix().col(s).norm();
+        if (norm > 0) largest = std::max(largest, norm * std::abs(std::clamp(theta[s] - gradient[s] / (norm * norm), box.lo[s], box.hi[s]) - theta[s]));
+    }
+    return largest / loss.target().norm();
 }
 
 }  // namespace tissue::test

@@ -73,7 +73,6 @@ TEST_CASE("springs without influence on the data do not change the lower bound")
     const ForceLoss loss = plain_loss(wider, p.loss.target());
     CHECK(loss_lower_bound(loss, theta, make_box(11, 1, 3)) ==
           Approx(loss_lower_bound(p.loss, p.optimum, p.box)).epsilon(rounding));
-    CHECK(kkt_residual(loss, theta, make_box(11, 1, 3)) == Approx(kkt_residual(p.loss, p.optimum, p.box)));
 }
 
 TEST_CASE("a box unbounded downhill has lower bound zero and a box unbounded uphill keeps its bound") {
@@ -94,16 +93,4 @@ TEST_CASE("the gap is the excess of the loss over its bound and is never negativ
     CHECK(loss_gap(1.02, 1, 1) == Approx(0.02).epsilon(rounding));
     CHECK(loss_gap(1, 1 + 1e-15, 1) == 0);
     CHECK(loss_gap(0, 0, 0) == 0);
-}
-
-TEST_CASE("the KKT residual is the distance of a spring to its own optimum and vanishes at the optimum") {
-    const ForceLoss one = plain_loss(Eigen::MatrixXd::Constant(1, 1, 2), Eigen::VectorXd::Constant(1, 4));
-    const Eigen::VectorXd theta =
-        Eigen::VectorXd::Constant(1, 1.5);  // optimum 2: a distance of 0.5, times a column of 2, over a force of 4
-    CHECK(kkt_residual(one, theta, make_box(1, 0, 9)) == Approx(0.25).epsilon(rounding));
-    CHECK(kkt_residual(one, theta, make_box(1, 0, 1.5)) == 0);
-
-    const Problem p = problem_with_active_bounds(40, 30, 8);
-    CHECK(kkt_residual(p.loss, p.optimum, p.box) < rounding);
-    CHECK(kkt_residual(p.loss, p.start, p.box) > 0.01);
 }

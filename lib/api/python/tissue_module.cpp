@@ -592,7 +592,7 @@ ticks() between two ticks, press() between two contacts and next() between two i
         .def_property_readonly("learned", [](TargetAdaptation& p) { return alone(p, [&] { return p.adaptation->state().learned; }); }, "number of measurements learned")
         .def_property_readonly("factor", [](TargetAdaptation& p) { return alone(p, [&] { return Eigen::VectorXd(p.adaptation->x().array().exp()); }); },
                                "exp of each unknown: for a field, stiffness of each node over its trained stiffness (P)")
-        .def_property_readonly("sd", [](TargetAdaptation& p) { return alone(p, [&] { return Eigen::VectorXd(p.adaptation->state().P.diagonal().cwiseMax(0).cwiseSqrt()); }); },
+        .def_property_readonly("sd", [](TargetAdaptation& p) { return alone(p, [&] { return p.adaptation->sd(); }); },
                                "posterior standard deviation of the logarithm of factor (P)");
 
     needs_init<TissueModel>();
