@@ -466,13 +466,14 @@ TEST_CASE("openhaptics reads millimetres and sets the force to zero when ticks c
         for (int k = 0; k < 500 && !let_go_in_time; ++k) {
             const auto from = std::chrono::steady_clock::now();
             device.write({0.5, 0, 0});
-            double there_s = 0, now_s = 0;
+            double there_s = 0, gone_s = 0, now_s = 0;
             do {
                 vendor.get_force(force);
                 now_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
                 if (force[0] == 0.5) there_s = now_s;
+                else if (there_s > 0 && gone_s == 0) gone_s = now_s;
             } while (now_s < 1.5 * force_held_s);
-            let_go_in_time = there_s > force_held_s / 2 && there_s < force_held_s;
+            let_go_in_time = there_s > force_held_s / 2 && gone_s > there_s && gone_s < force_held_s;
         }
         CHECK(let_go_in_time);
         vendor.set_error(0x0301);
