@@ -194,7 +194,8 @@ ForceDimensionDevice::ForceDimensionDevice(const ForceDimensionOptions& options)
     library_ = std::make_unique<Library>(file, options.id);
     Library& drd = *library_;
     if (!drd.file.loaded())
-        throw DeviceError(fmt::format("force-dimension: cannot load {} ({}); install the Force Dimension SDK 3.16 or newer, set FDSDK to its folder, or name libdrd.so with --drd-library", file, drd.file.error()));
+        throw DeviceError(fmt::format("force-dimension: cannot load {} ({}); install the Force Dimension SDK 3.16 or newer, set FDSDK to its folder, or name libdrd.so with --drd-library",
+                                      file, drd.file.error()));
     drd.find_functions();
     int major = 0, minor = 0, release = 0, revision = 0;
     drd.get_sdk_version(&major, &minor, &release, &revision);
@@ -204,7 +205,8 @@ ForceDimensionDevice::ForceDimensionDevice(const ForceDimensionOptions& options)
     const int count = drd.get_device_count();
     if (count < 0) throw drd.error("cannot count the devices");
     if (options.id >= count)
-        throw DeviceError(fmt::format("force-dimension: there is no device {}: {} connected; check power, cable and the udev rule that permits access", options.id, count == 0 ? "none is" : fmt::format("{}, counted from 0, are", count)));
+        throw DeviceError(fmt::format("force-dimension: there is no device {}: {} connected; check power, cable and the udev rule that permits access",
+                                      options.id, count == 0 ? "none is" : fmt::format("{}, counted from 0, are", count)));
     if ((in_use.fetch_or(drd.index_bit) & drd.index_bit) != 0)
         throw DeviceError(fmt::format("force-dimension: device {} moves another tool of this session: give each tool its own --device-id", options.id));
     drd.claimed = true;
@@ -220,7 +222,9 @@ ForceDimensionDevice::ForceDimensionDevice(const ForceDimensionOptions& options)
     force_max_N_ = type->force_max_N;
     gripper_ = drd.has_gripper(drd.device());
     if (!drd.is_initialized(drd.device()) && !options.home)
-        throw DeviceError(fmt::format("force-dimension: device {} ({}) is not initialised: initialise it by hand as its manual describes, or take your hands off and let it move by itself with --home yes", options.id, type_));
+        throw DeviceError(fmt::format("force-dimension: device {} ({}) is not initialised: initialise it by hand as its manual describes, "
+                                      "or take your hands off and let it move by itself with --home yes",
+                                      options.id, type_));
 }
 
 ForceDimensionDevice::~ForceDimensionDevice() {
