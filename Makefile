@@ -257,7 +257,7 @@ $(BUILD)/test_tissue: $(TEST_OBJECTS) $(BUILD)/libtissue.a $(BUILD)/test_tissue.
 # A fuzz target links only what it calls from this archive. --defsym makes its own function the one that libFuzzer
 # calls.
 FUZZ_READERS := $(patsubst tests/fuzz/fuzz_%.cpp,%,$(call files,tests/fuzz/fuzz_*.cpp))
-$(BUILD)/libfuzzed.a: $(call objects,tests/fuzz/edited_store.cpp tests/solid_law_example.cpp tests/haptic/haptic_example.cpp \
+$(BUILD)/libfuzzed.a: $(call objects,tests/fuzz/edited_store.cpp tests/solid_model_example.cpp tests/haptic/haptic_example.cpp \
   $(SERVE_SOURCES) $(call files,cli/serve/network/*.cpp))
 	@$(call alone,$@.lock) && rm -f $@.tmp && ar rcs $@.tmp $^ && mv $@.tmp $@
 
@@ -496,7 +496,7 @@ sanitize: $(BUILD)/test_tissue | build/deps-sanitize
 ## tsan: tests of code with threads (loop, recorder, devices, learning, page, parallel work) under the sanitizer for data races
 tsan:
 	@$(MAKE) SANITIZE=thread build/tsan/test_tissue
-	@build/tsan/test_tissue -# '[loop],[recorder],[device],[pointer],[adapt],[serve],[api],[#test_parallel],[#test_law_press],[#test_atomic_file]'
+	@build/tsan/test_tissue -# '[loop],[recorder],[device],[pointer],[adapt],[serve],[api],[#test_parallel],[#test_indentation_solver],[#test_atomic_file]'
 
 READERS ?= $(FUZZ_READERS)
 SECONDS ?= 60

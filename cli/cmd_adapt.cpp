@@ -69,7 +69,7 @@ std::unique_ptr<Adaptation> continued(const Options& o) {
 /// has no answer, the error is infinite. A measurement that cannot be of this tissue (push_refusal), or that has no
 /// force, is no reference (eval/statistics.h).
 Statistics held_out_error(const TissueModel& model, const std::vector<ForceMeasurement>& pokes) {
-    const IndentationSolver press(model);
+    const IndentationSolver solver(model);
     const FreeSurface surface(model.mesh);
     std::vector<double> sample;
     for (const ForceMeasurement& poke : pokes) {
@@ -77,7 +77,7 @@ Statistics held_out_error(const TissueModel& model, const std::vector<ForceMeasu
             sample.push_back(std::numeric_limits<double>::quiet_NaN());
             continue;
         }
-        const Equilibrium answer = press.at(poke.contact_m, poke.push_m);
+        const Equilibrium answer = solver.at(poke.contact_m, poke.push_m);
         sample.push_back(answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : std::numeric_limits<double>::infinity());
     }
     return statistics_of(sample);

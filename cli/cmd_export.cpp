@@ -58,33 +58,33 @@ void export_surfaces(const Options& o, const TissueModel& model) {
     if (!model.mesh.is_solid()) throw MismatchError(fmt::format("{}: is a model in the plane; --to {} draws the surface of a model in space", o.file, o.to));
     refuse_vtk(o.surface);
     const CarriedSurface surface = o.surface.empty() ? own_surface(model.mesh) : carried_surface(model.mesh, read_surface_or_msh(o.surface, o.surface), units_m.at(o.unit));
-    const IndentationSolver press(model);
+    const IndentationSolver solver(model);
     Files files;
-    for (const PressedCase& c : pressed_cases(model, o.set)) {
+    for (const IndentationOfCase& c : indentations_of_cases(model, o.set)) {
         const std::string& name = model.case_names[static_cast<std::size_t>(c.load_case)];
         if (!c.state) {
             std::cerr << "tissuectl export: " << name << ", left out: " << reason_of(c.state.status) << '\n';
             continue;
         }
         const Point contact_m = model.contact_m.row(c.load_case).transpose();
-        const PressedSurface pressed{surface, name, surface.moved(press.of(model.radius_of(c.load_case)).seen(contact_m, c.push_m, c.state.displacement)), contact_m, c.push_m, c.state.contact_force};
+        const IndentedSurface pressed{surface, name, surface.moved(solver.of(model.radius_of(c.load_case)).displayed(contact_m, c.push_m, c.state.displacement)), contact_m, c.push_m, c.state.contact_force};
         files[name + "." + o.to] = o.to == "vtp" ? surface_vtp(pressed) : surface_glb(pressed);
     }
     if (files.empty()) throw MismatchError(o.file + ": no load case has an equilibrium; nothing is written");
     write_files(o.out, files);
 }
 
-void export_law(const Options& o, const TissueModel& model) {
+void export_energy_model(const Options& o, const TissueModel& model) {
     if (!o.sets.empty())
         throw MismatchError(o.file + ": is an energy model; --sets chooses among spring sets");
     if (o.to == "sofa") throw MismatchError(o.file + ": is an energy model, and " + sofa_lacks);
     if (!model.energy_model->relaxation.empty())
         std::cerr << "tissuectl export: " << o.file << " relaxes: it is exported with its instantaneous constants, as before any relaxation\n";
     if (o.draws_surface()) return export_surfaces(o, model);
-    const std::vector<PressedCase> cases = pressed_cases(model, o.set);
+    const std::vector<IndentationOfCase> cases = indentations_of_cases(model, o.set);
     if (o.to == "csv") return write_files(o.out, csv_files(model, cases));
     Files files;
-    for (const PressedCase& c : cases) {
+    for (const IndentationOfCase& c : cases) {
         const std::string& name = model.case_names[static_cast<std::size_t>(c.load_case)];
         files[name + ".vtu"] = pressed_vtu(model, c);
         if (!c.state)
@@ -94,18 +94,18 @@ void export_law(const Options& o, const TissueModel& model) {
 }
 
 /// Arrays of an energy model that are not datasets of its file.
-Files law_arrays(const TissueModel& model) {
-    if (!model.mesh.is_solid()) return npy_files(law_tables(model));
+Files energy_model_arrays(const TissueModel& model) {
+    if (!model.mesh.is_solid()) return npy_files(energy_model_tables(model));
     std::vector<int> load_cases(static_cast<std::size_t>(model.case_count()));
     std::iota(load_cases.begin(), load_cases.end(), 0);
-    return npy_files(solid_law_tables(model), contact_table(model, load_cases));
+    return npy_files(solid_model_tables(model), contact_table(model, load_cases));
 }
 
 void export_model(const Options& o) {
     if (!o.path.empty())
         throw MismatchError(o.file + ": has springs; --path chooses among the load paths of a cases.h5");
     const TissueModel model = read_model(Hdf5Reader(o.file, "model"));
-    if (model.energy_model) return export_law(o, model);
+    if (model.energy_model) return export_energy_model(o, model);
     if (o.draws_surface()) throw MismatchError(fmt::format("{}: has spring sets, in the plane; --to {} draws the surface of a model in space", o.file, o.to));
     if (model.mesh.is_solid()) throw MismatchError(o.file + ": is in space and has no energy model; spring sets are supported in the plane only");
     if (o.to == "sofa" && o.set.empty())
@@ -137,7 +137,7 @@ void run(const Options& o) {
             if (!o.sets.empty() || !o.set.empty() || !o.path.empty())
                 throw MismatchError("--to numpy writes every dataset; leave out --sets, --set and --path");
             Files files = npy_files(in);
-            if (in.text_attribute("/", "kind") == "model" && in.has("/law")) files.merge(law_arrays(read_model(in)));
+            if (in.text_attribute("/", "kind") == "model" && in.has("/law")) files.merge(energy_model_arrays(read_model(in)));
             write_files(o.out, files);
         }
         return in.text_attribute("/", "kind");

@@ -40,9 +40,9 @@ void run(const Options& o) {
     if (o.size_m > 0) wanted.size_m = o.size_m;
     const auto in_study = [&](const std::string& named) { return fs::proximate(fs::absolute(named), fs::absolute(o.folder)).string(); };
     wanted.shape_in_study = in_study(wanted.shape);
-    for (const std::string& held : wanted.held) {
+    for (const std::string& held : wanted.fixed) {
         const auto other = FixedRegion::within(held);
-        wanted.held_in_study.push_back(other ? fmt::format("within {} of {}", other->distance_m, in_study(other->file)) : held);
+        wanted.fixed_in_study.push_back(other ? fmt::format("within {} of {}", other->distance_m, in_study(other->file)) : held);
     }
     if (fs::path(wanted.shape).extension() != ".geo") wanted.trust_geo = false;
     else if (!wanted.trust_geo)
@@ -71,7 +71,7 @@ void add_new(CLI::App& app, const Invocation&) {
         ->type_name("FILE");
     command->add_flag("--trust-geo,--trust_geo", o->study.trust_geo, "trust the .geo, which is a program that gmsh runs");
     add_unit_option(*command, o->unit);
-    command->add_option("--held", o->study.held, "fixed parts: its named curves, in space named surfaces or regions [m]: 'below z = 0.01', 'ball X Y Z radius R', 'box X Y Z to X Y Z', 'within D of FILE'; without it the names are listed")->type_name("NAME|REGION..");
+    command->add_option("--held", o->study.fixed, "fixed parts: its named curves, in space named surfaces or regions [m]: 'below z = 0.01', 'ball X Y Z radius R', 'box X Y Z to X Y Z', 'within D of FILE'; without it the names are listed")->type_name("NAME|REGION..");
     command->add_option("--bed", o->study.bed_Pa_m, "in space, stiffness per area of an elastic bed under the fixed parts (fat of 2000 Pa, 0.01 m thick: 200000); without it the fixed parts do not move")->type_name("Pa/m")->check(CLI::Range(bed_least_Pa_m, bed_most_Pa_m));
     command->add_option("--preset", o->study.preset, "material: brain, liver, muscle, or another of fem/materials")->type_name("NAME")->capture_default_str();
     command->add_option("--size", o->size_m, "length of the springs, in space edge of the lattice's cubes; default: an eighth of the tissue's mean size, in space a third of its shortest side if that is less")->type_name("m")->check(is_positive());

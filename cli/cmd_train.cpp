@@ -30,9 +30,9 @@ struct Options {
 /// Prints a JSON array with an object per spring set, or per term of an energy model.
 void print(const TrainedModel& model) {
     nlohmann::ordered_json j;
-    if (const auto& law = model.energy_model)
-        for (std::size_t t = 0; t < law->terms.size(); ++t)
-            j.push_back({{"term", law->terms[t]}, {"coefficient", law->coefficients[static_cast<Eigen::Index>(t)]}});
+    if (const auto& energy_model = model.energy_model)
+        for (std::size_t t = 0; t < energy_model->terms.size(); ++t)
+            j.push_back({{"term", energy_model->terms[t]}, {"coefficient", energy_model->coefficients[static_cast<Eigen::Index>(t)]}});
     for (const SetDiagnostics& t : model.books.trained)
         for (Eigen::Index c = 0; c < t.loss_N.size(); ++c) {
             const auto i = static_cast<std::size_t>(c);
@@ -62,7 +62,7 @@ void run(const Options& o, Provenance provenance) {
         Progress progress("train");
         const Cases cases = read_cases(o.cases);
         model = study.springs.is_energy_model()
-                    ? train_law_model(study, cases, o.threads)
+                    ? train_study_model(study, cases, o.threads)
                     : train_sets(study, cases, o.threads,
                                  [&](int done, int total, const std::string& set) { progress.step(done, total, set); });
     }

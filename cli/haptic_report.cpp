@@ -55,11 +55,11 @@ std::string describe(const std::string& program, const Simulation& simulation, c
     for (const auto& mesh : model.meshes)
         text += fmt::format("  {:<10} {} step{}: omega dt = {:.3f} (symplectic up to {:g} a step), lowest mode {:.3g} Hz, damping {:.3g}/s\n",
                             mesh->name, mesh->dynamics, mesh->substeps > 1 ? fmt::format(", {} a tick", mesh->substeps) : "",
-                            std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s, mesh->law ? 1.4 : 1.8, mesh->lowest_frequency_Hz, mesh->damping_1_s);
+                            std::sqrt(mesh->largest_eigenvalue_1_s2) * o.dt_s, mesh->energy_model ? 1.4 : 1.8, mesh->lowest_frequency_Hz, mesh->damping_1_s);
     for (const auto& mesh : model.meshes)
         if (const double wanted_s = contact_damping_s(o.dt_s, mesh->substeps); mesh->contact_damping_s < wanted_s)
             text += fmt::format("  the {} mesh: its steps allow a contact damping of {:.2f} ms times the stiffness, not of {:.2f}\n", mesh->name, 1e3 * mesh->contact_damping_s, 1e3 * wanted_s);
-    if (model.stiffness && model.stiffness->floppy() > 0)
+    if (model.stiffness && model.stiffness->without_stiffness() > 0)
         text += fmt::format("  the {} mesh has zero-energy modes: its shape at rest is not determined\n", model.is_energy_model() ? "heuristic" : "learned");
     text += fmt::format("  coupling {}\n", model.stiffness ? fmt::format("up to {:.3g} N/m", *o.coupling_ratio * model.stiffness->largest()) : "none: the contact of the energy model");
     for (int t = 0; t < simulation.tool_count(); ++t) {
@@ -158,7 +158,7 @@ std::string statistics_json(const std::string& model_file, const std::vector<Dev
     return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";  // a file's name may be any bytes
 }
 
-std::string realtime_json(const HapticModel& model, const std::vector<PressResult>& presses,
+std::string realtime_json(const HapticModel& model, const std::vector<IndentationResult>& indentations,
                           const std::vector<SwitchJump>& jumps) {
     Json j = {{"study", model.study}, {"version", version}, {"sets", model.is_energy_model() ? Json(nullptr) : Json(model.options.sets)}, {"dt_s", model.options.dt_s}};
     for (const auto& mesh : model.meshes)
@@ -171,7 +171,7 @@ std::string realtime_json(const HapticModel& model, const std::vector<PressResul
     // an indentation without an answer has an infinite error, one without an FE reference NaN
     std::vector<double> against_static, against_fe, static_against_fe;
     Json list = Json::array();
-    for (const PressResult& p : presses) {
+    for (const IndentationResult& p : indentations) {
         against_static.push_back(p.reason.empty() ? p.static_error : missing);
         const double unanswered = p.fe_asked ? missing : nothing;
         against_fe.push_back(p.reason.empty() ? p.fe_error.value_or(unanswered) : unanswered);

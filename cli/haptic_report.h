@@ -20,7 +20,7 @@ std::string statistics_json(const std::string& model_file, const std::vector<Dev
 
 /// realtime.json: forces of the running simulation against the static solution and the FE reference, and switches of
 /// spring sets.
-std::string realtime_json(const HapticModel& model, const std::vector<PressResult>& presses,
+std::string realtime_json(const HapticModel& model, const std::vector<IndentationResult>& presses,
                           const std::vector<SwitchJump>& jumps);
 
 }  // namespace tissue::cli

@@ -76,20 +76,20 @@ struct Options {
 /// The indentations of --check: the first 50 contacts of the test set if the study draws one, else every load case.
 /// Contacts drawn over the full range (held_out_full) fill up the 50. Contacts of discs other than the one in use are
 /// left out. own_m, disc_m: radius of the model's disc and of the one in use [m]; 0 in the plane.
-std::vector<IndentationReference> press_truths(const Cases& cases, double own_m, double disc_m) {
+std::vector<IndentationReference> indentation_references(const Cases& cases, double own_m, double disc_m) {
     const auto of_other_disc = [&](const LoadPath& path) { return (path.radius_m > 0 ? path.radius_m : own_m) != disc_m; };
     constexpr std::size_t enough = 50;
-    std::vector<IndentationReference> truths;
+    std::vector<IndentationReference> references;
     for (const char* role : {"held_out", "held_out_full"})
         for (const LoadPath& path : cases.paths) {
-            if (path.role != role || !path.lost.empty() || of_other_disc(path) || truths.size() >= enough) continue;
-            truths.push_back({path.name, path.contact_m, path.direction, path.records.back().magnitude_m,
+            if (path.role != role || !path.lost.empty() || of_other_disc(path) || references.size() >= enough) continue;
+            references.push_back({path.name, path.contact_m, path.direction, path.records.back().magnitude_m,
                               path.records.back().contact_force_N});
         }
-    if (!truths.empty()) return truths;
+    if (!references.empty()) return references;
     for (const LoadCase& c : load_cases(cases))
-        if (!of_other_disc(*c.path)) truths.push_back({c.name, c.path->contact_m, c.path->direction, c.record->magnitude_m, c.record->contact_force_N});
-    return truths;
+        if (!of_other_disc(*c.path)) references.push_back({c.name, c.path->contact_m, c.path->direction, c.record->magnitude_m, c.record->contact_force_N});
+    return references;
 }
 
 /// --check: indentations of the study in the running simulation, and switches between the magnitudes of its first
@@ -99,11 +99,11 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
         throw MismatchError(o.model + ": --check needs tissue at rest, and this model relaxes; use tissuectl eval, which evaluates displacement histories");
     if (model.tools[0].shape == ToolChoice::Shape::ball) throw MismatchError("--check compares with FE references of discs; --tool must not be a ball");
     const Cases cases = read_cases(o.check);
-    std::vector<PressResult> presses;
-    for (const IndentationReference& truth : press_truths(cases, own_m, model.tools[0].radius_m)) {
+    std::vector<IndentationResult> indentations;
+    for (const IndentationReference& reference : indentation_references(cases, own_m, model.tools[0].radius_m)) {
         if (stop.load()) throw tissue::Error("interrupted");
-        presses.push_back(press(model, tissue, truth));
-        const PressResult& p = presses.back();
+        indentations.push_back(indent(model, tissue, reference));
+        const IndentationResult& p = indentations.back();
         std::cerr << (p.reason.empty()
                           ? fmt::format("  {:<26} {:.1f} s  {:.4g} N  {:.3f} % from the static force{}\n", p.name, p.seconds,
                                         p.force_N.norm(), 100 * p.static_error,
@@ -119,7 +119,7 @@ void check(const Options& o, const TissueModel& tissue, const HapticModel& model
         for (double innovation : {1.0, *model.options.innovation})
             jumps.push_back(switch_jump(tissue, model.options, from, from + 1, innovation));
     }
-    write_file(o.out, cli::realtime_json(model, presses, jumps));
+    write_file(o.out, cli::realtime_json(model, indentations, jumps));
 }
 
 /// "tissue-haptic 12.5 s: learned, measured 0.2 N, expected 0.3 N +- 5 %", and a line with the warning, if any.

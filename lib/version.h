@@ -8,7 +8,7 @@ inline constexpr const char* version = "0.1.0";
 /// Version of the file formats in results/FORMATS.md. The kinds of files below have later versions, so that earlier
 /// programs refuse them. Readers refuse a version later than last_format_version.
 inline constexpr int format_version = 1;
-inline constexpr int law_format_version = 2;    ///< a model whose stiffness is an energy model
+inline constexpr int energy_model_format_version = 2;    ///< a model whose stiffness is an energy model
 inline constexpr int solid_format_version = 4;  ///< cases in space; those of version 3 are refused
 inline constexpr int time_format_version = 5;   ///< a model that relaxes; cases with displacement histories
 inline constexpr int adapted_format_version = 6;  ///< a model that was adapted to measurements

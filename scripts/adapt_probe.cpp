@@ -146,11 +146,11 @@ void run(const Options& o) {
     std::vector<double> update_ms, rank_ms;
     const auto seconds = [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); };
     const auto judge = [&](int n) {
-        const IndentationSolver press(adaptation.model());
+        const IndentationSolver solver(adaptation.model());
         std::vector<double> error(held_out.size());
         parallel_for(static_cast<int>(held_out.size()), 2, [&](int i) {
             const ForceMeasurement& poke = held_out[static_cast<std::size_t>(i)];
-            const Equilibrium answer = press.at(poke.contact_m, poke.push_m);
+            const Equilibrium answer = solver.at(poke.contact_m, poke.push_m);
             error[static_cast<std::size_t>(i)] = answer ? (answer.contact_force - poke.force_N).norm() / poke.force_N.norm() : std::numeric_limits<double>::infinity();
         });
         // Test forces within the filter's 68 % and 95 % regions: chi-squared quantiles for two or three degrees of

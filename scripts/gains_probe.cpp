@@ -191,16 +191,16 @@ void weights(const Problem& p, const Options& o, json& out) {
             const ForceLoss loss = p.loss(near, far, o.seed);
             double bound;
             const Eigen::VectorXd theta = p.optimum(loss, bound), f = A * theta;
-            double model = 0, truth = 0;
+            double model = 0, reference = 0;
             for (int i : patch)
-                for (int axis : {0, 1}) model += f[2 * i + axis] * push[axis], truth += fe(i, axis) * push[axis];
+                for (int axis : {0, 1}) model += f[2 * i + axis] * push[axis], reference += fe(i, axis) * push[axis];
             const ContactReference held{contact, p.load.record->magnitude_m * push, p.load.record->contact_force_N};
             const std::optional<double> felt = error_of(answer_of(p.mesh, p.law, theta, held), held, p.mesh).force;
             json j = p.head();
             j["near"] = near, j["far"] = far, j["patch_nodes"] = patch.size();
             j["certificate"] = loss_gap(loss(theta), bound, loss.scale());
             j["rel_loss"] = paper(theta) / paper.scale();
-            j["resolved"] = std::abs(model / truth - 1);
+            j["resolved"] = std::abs(model / reference - 1);
             j["closed_loop"] = felt ? json(*felt) : json(nullptr);
             out.push_back(j);
         }

@@ -159,10 +159,10 @@ TissueModel solid_example() {
     m.heuristic_b = m.heuristic_a / 6;
     const Eigen::VectorXd springs = Eigen::VectorXd::Constant(m.mesh.spring_count(), modulus_Pa),
                           cells = Eigen::VectorXd::Constant(mesh_cells(m.mesh).rows(), modulus_Pa);
-    const EnergyModelTerms law(m.mesh, solid_heuristic(m.mesh, springs, cells, modulus_Pa, 12, radius_m),
+    const EnergyModelTerms model_terms(m.mesh, solid_heuristic(m.mesh, springs, cells, modulus_Pa, 12, radius_m),
                         {"spring.all", "spring.face", "contact.normal.edge", "contact.tangent.edge", "contact.imprint_normal", "contact.hardening", "skin.tangent", "skin.radial"});
     const Eigen::VectorXd p = (Eigen::VectorXd(8) << -0.7, 0.9, 0.3, -0.2, 1.5, 1.2, -0.4, 0.3).finished();
-    m.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    m.energy_model = {model_terms.terms(), p, model_terms.constants(p), model_terms.patch(p), model_terms.incompressible(), radius_m};
     m.energy_model->curve = SpringCurve::mooney_rivlin(0.2, 3);
     m.case_names = {"down-3mm", "tilted-5mm"};
     m.contact_m.resize(2, 3);

@@ -65,7 +65,7 @@ std::optional<Refusal> Show::hear(Client client, std::string_view text, double n
 void Show::act(Client client, const PointerMessage& m, double now_s) {
     Lead& lead = leads_[static_cast<std::size_t>(m.tool)];
     if (m.down) {
-        if (!is_held())
+        if (!is_fixed())
             for (Lead& other : leads_)
                 if (&other != &lead && other.hand.place() >= 0) other.hand.let_go();  // the demo ends
         lead.holder = client;
@@ -137,7 +137,7 @@ void Show::release(Lead& lead, double now_s) {
     lead.hand.let_go();
 }
 
-bool Show::is_held() const {
+bool Show::is_fixed() const {
     return std::any_of(leads_.begin(), leads_.end(), [](const Lead& lead) { return lead.holder != nobody; });
 }
 
@@ -154,7 +154,7 @@ bool Show::step(double now_s) {
         if (lead.holder != nobody && now_s - lead.heard_s > silent_s) release(lead, now_s);
     Hand& first = leads_.front().hand;
     if (channel.paused()) idle_since_s_ = now_s;
-    if (!is_held() && first.place() < 0 && now_s - idle_since_s_ > idle_s) first.demonstrate(-1);
+    if (!is_fixed() && first.place() < 0 && now_s - idle_since_s_ > idle_s) first.demonstrate(-1);
     if (!channel.paused()) {
         for (std::size_t tool = 0; tool < leads_.size(); ++tool) stage_.pointer(static_cast<int>(tool)).aim(leads_[tool].hand.step(elapsed));
         // In tissue that relaxes, the remains of an indentation would change the next one, which could then not be

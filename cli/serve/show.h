@@ -51,7 +51,7 @@ class Show {
         Client holder = nobody;
         double heard_s = 0;   ///< time of the holder's last message
     };
-    bool is_held() const;
+    bool is_fixed() const;
     bool held_by_other(Client client) const;   ///< whether another client leads any tool
     void release(Lead& lead, double now_s);
     const char* holder_for(const Lead& lead, Client client) const;

@@ -133,13 +133,13 @@ void Stage::carry(Served& served) const {
 /// Adds a model that was trained under several discs with each of these, and with balls whose contact is in their range.
 void Stage::serve_other_tools(const std::string& file, const TissueModel& tissue) {
     if (!tissue.energy_model || tissue.energy_model->sizes.empty()) return;
-    const EnergyModel& law = *tissue.energy_model;
+    const EnergyModel& energy_model = *tissue.energy_model;
     std::vector<ToolChoice> tools;
-    for (const double radius_m : law.sizes.radii_m)
-        if (radius_m != law.disc_radius_m) tools.push_back({ToolChoice::Shape::disc, radius_m});
+    for (const double radius_m : energy_model.sizes.radii_m)
+        if (radius_m != energy_model.disc_radius_m) tools.push_back({ToolChoice::Shape::disc, radius_m});
     for (const double radius_m : {0.003, 0.004, 0.006, 0.008, 0.010, 0.015, 0.020}) {
         const double contact_m = BallContact::half_in * radius_m;
-        if (law.relaxation.empty() && contact_m >= law.sizes.radii_m.minCoeff() && contact_m <= law.sizes.radii_m.maxCoeff()) tools.push_back({ToolChoice::Shape::ball, radius_m});
+        if (energy_model.relaxation.empty() && contact_m >= energy_model.sizes.radii_m.minCoeff() && contact_m <= energy_model.sizes.radii_m.maxCoeff()) tools.push_back({ToolChoice::Shape::ball, radius_m});
     }
     for (const ToolChoice& tool : tools) {
         names_.push_back(name_for(fmt::format("{}, {} of {:g} mm", tissue.study, to_string(tool.shape), 1e3 * tool.radius_m), names_));

@@ -11,7 +11,7 @@
 #include "error.h"
 #include "gsl.h"
 #include "springs/indentation_solver.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 
 namespace tissue {
 namespace {
@@ -93,7 +93,7 @@ void Adaptation::restore(State state) {
 
 TissueModel Adaptation::model() const {
     TissueModel now = base_;
-    now.energy_model = law();
+    now.energy_model = energy_model();
     now.contact_force_N.resize(0, now.contact_force_N.cols());  // FE forces belong to the training tissue
     // The heuristic springs are (7) with the adapted E2, so that both meshes have the stiffness of the target tissue.
     const Eigen::ArrayXd stiffer = Eigen::VectorXd(unknowns_.by_constant * x()).head(now.mesh.spring_count()).array().exp();
@@ -109,17 +109,17 @@ Eigen::VectorXd Adaptation::sd() const {
 
 Adaptation::Linear Adaptation::linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from) {
     Linear linear;
-    press(contact_m, push_m, x, from, &linear);
+    indent(contact_m, push_m, x, from, &linear);
     return linear;
 }
 
 /// Equilibrium at a tool displacement with the unknowns x; into `wanted`, if given, also dF/dx. from: start state.
-EquilibriumState Adaptation::press(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from, Linear* wanted) {
+EquilibriumState Adaptation::indent(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from, Linear* wanted) {
     EnergyModel now = with_unknowns(*base_.energy_model, unknowns_, x);
     if (options_.at_rest && !now.relaxation.empty()) now = long_term(now);
     kernel_->scale(now.contact_log_scale);
     const ContactSpring contact(kernel_->rows_at(contact_m), now.patch);
-    const EquilibriumState rest = solver_.press(now.constants, contact, push_m, from);
+    const EquilibriumState rest = solver_.indent(now.constants, contact, push_m, from);
     if (!wanted) return rest;
     Linear& linear = *wanted;
     linear.rest = rest;
@@ -255,12 +255,12 @@ UpdateResult Adaptation::learn(const ForceMeasurement& poke) {
     const Point at_m = surface_.nearest(poke.contact_m).point_m;
     Linear linear;
     // Force predicted with the uniform scale: the base model's force times exp(scale). Empty without equilibrium.
-    Point rival_N;
+    Point baseline_N;
     try {
         EquilibriumState trained;
-        if (has_single_scale()) trained = press(at_m, poke.push_m, Eigen::VectorXd::Zero(unknowns_.size()));
+        if (has_single_scale()) trained = indent(at_m, poke.push_m, Eigen::VectorXd::Zero(unknowns_.size()));
         const bool held = has_single_scale() && trained.status == SolverStatus::converged;
-        if (held) rival_N = std::exp(state_.scale) * trained.contact_force_N;
+        if (held) baseline_N = std::exp(state_.scale) * trained.contact_force_N;
         linear = linearise(at_m, poke.push_m, state_.x, held ? &trained : nullptr);
     } catch (const MismatchError& e) {
         return refuse(e.what());
@@ -276,7 +276,7 @@ UpdateResult Adaptation::learn(const ForceMeasurement& poke) {
     const Eigen::LDLT<Eigen::MatrixXd> solver = S.ldlt();
     answer.chi2 = r.dot(solver.solve(r));
     const double log_det = solver.vectorD().array().log().sum();
-    if (single_scale_in_use() && rival_N.size() > 0) answer.expected_N = rival_N;
+    if (single_scale_in_use() && baseline_N.size() > 0) answer.expected_N = baseline_N;
     answer.expected_sd = std::sqrt(covariance({answer.expected_N, H, SolverStatus::converged}).trace() / static_cast<double>(D));
     answer.error_before = (answer.expected_N - poke.force_N).norm() / poke.force_N.norm();
     if (!(answer.chi2 < gate_)) {
@@ -309,7 +309,7 @@ UpdateResult Adaptation::learn(const ForceMeasurement& poke) {
         S = H * PH + R;
         innovation = off(model_N, poke.force_N) + H * (x - state_.x);
     }
-    if (rival_N.size() > 0) compare(rival_N, poke, R, answer.chi2, log_det);
+    if (baseline_N.size() > 0) compare(baseline_N, poke, R, answer.chi2, log_det);
     state_.x = x;
     state_.P -= PH * S.ldlt().solve(PH.transpose());
     state_.P = 0.5 * (state_.P + state_.P.transpose().eval());

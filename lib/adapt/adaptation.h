@@ -105,7 +105,7 @@ class Adaptation {
     /// The adapted model, with Van Gelder's springs adapted too. It has no FE contact forces, which belong to the
     /// training tissue.
     TissueModel model() const;
-    EnergyModel law() const { return with_unknowns(*base_.energy_model, unknowns_, x()); }
+    EnergyModel energy_model() const { return with_unknowns(*base_.energy_model, unknowns_, x()); }
     /// Unknowns in use (P): the field, or the uniform scale in every entry.
     Eigen::VectorXd x() const { return single_scale_in_use() ? Eigen::VectorXd::Constant(unknowns_.size(), state_.scale) : state_.x; }
     Eigen::VectorXd sd() const;  ///< posterior standard deviations of x() (P)
@@ -138,7 +138,7 @@ class Adaptation {
         EquilibriumState rest;
         Eigen::MatrixXd by_x;  ///< dF/dx (D x P)
     };
-    EquilibriumState press(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from = nullptr, Linear* linear = nullptr);
+    EquilibriumState indent(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from = nullptr, Linear* linear = nullptr);
     Linear linearise(const Point& contact_m, const Point& push_m, const Eigen::VectorXd& x, const EquilibriumState* from);
     Eigen::MatrixXd noise(const ForceMeasurement& poke, const Point& expected_N);
     void compare(const Point& expected_N, const ForceMeasurement& poke, const Eigen::MatrixXd& R, double chi2, double log_det);

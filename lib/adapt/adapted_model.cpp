@@ -142,13 +142,13 @@ std::unique_ptr<Adaptation> read_adaptation(const std::string& file, const Adapt
                                                {"N", static_cast<std::size_t>(model.mesh.node_count())},
                                                {"S", static_cast<std::size_t>(model.mesh.spring_count())},
                                                {"E", static_cast<std::size_t>(model.energy_model->constants.size())}});
-    EnergyModel& law = *model.energy_model;
+    EnergyModel& energy_model = *model.energy_model;
     const Eigen::VectorXd constants = table.vector("/adaptation/constants");
     const NodeField patch = table.field("/adaptation/patch_log");
-    if (patch.rows() != law.patch.log_N_m.rows() || patch.cols() != law.patch.log_N_m.cols()) table.refuse("/adaptation/patch_log", "must have the dimensions of /law/patch_log");
-    law.constants = constants;
-    law.patch.log_N_m = patch;
-    law.contact_log_scale = table.has("/adaptation/contact_log_scale") ? table.vector("/adaptation/contact_log_scale") : Eigen::VectorXd();
+    if (patch.rows() != energy_model.patch.log_N_m.rows() || patch.cols() != energy_model.patch.log_N_m.cols()) table.refuse("/adaptation/patch_log", "must have the dimensions of /law/patch_log");
+    energy_model.constants = constants;
+    energy_model.patch.log_N_m = patch;
+    energy_model.contact_log_scale = table.has("/adaptation/contact_log_scale") ? table.vector("/adaptation/contact_log_scale") : Eigen::VectorXd();
     model.heuristic_a = table.vector("/adaptation/heuristic_a");
     model.heuristic_b = table.vector("/adaptation/heuristic_b");
     Adaptation::State state;

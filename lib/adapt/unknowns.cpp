@@ -51,31 +51,31 @@ Unknowns::Rows one_each(Eigen::Index rows, Eigen::Index columns, Eigen::Index fi
 
 /// Fills the unknowns of kind `terms`: a uniform scale, and the terms over the constants of the trained model.
 void add_terms(const TissueModel& model, Unknowns& u, const PriorOptions& options) {
-    const EnergyModel& law = *model.energy_model;
+    const EnergyModel& energy_model = *model.energy_model;
     EnergyModelHeuristic now;
-    now.incompressible = law.incompressible;
-    now.constants = law.constants;
-    now.cap = 1e6 * law.constants.segment(model.mesh.springs.rows(), cell_count(model.mesh));
-    now.patch = law.patch;
-    for (const std::string& term : law.terms)
+    now.incompressible = energy_model.incompressible;
+    now.constants = energy_model.constants;
+    now.cap = 1e6 * energy_model.constants.segment(model.mesh.springs.rows(), cell_count(model.mesh));
+    now.patch = energy_model.patch;
+    for (const std::string& term : energy_model.terms)
         if (term.find("nodule") != std::string::npos || term.find("ground") != std::string::npos)
             throw MismatchError(fmt::format("unknowns 'terms' do not support term '{}', which depends on data of the study; use 'field'", term));
     // Forces do not depend on the skin; forces of the model's own disc do not depend on terms of the disc size
-    std::vector<std::string> kept = law.terms;
+    std::vector<std::string> kept = energy_model.terms;
     kept.erase(std::remove_if(kept.begin(), kept.end(), [](const std::string& term) { return is_skin_term(term) || is_size_term(term); }), kept.end());
     const EnergyModelTerms terms(model.mesh, now, kept);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(terms.size());
     const Eigen::Index P = terms.size() + 1;
     u.terms = kept;
     u.terms.insert(u.terms.begin(), "scale");
-    Eigen::MatrixXd by_constant = Eigen::MatrixXd::Ones(law.constants.size(), P), by_node = Eigen::MatrixXd::Zero(model.mesh.node_count(), P);
-    by_constant.rightCols(P - 1) = law.constants.cwiseInverse().asDiagonal() * terms.constants_by(zero);
+    Eigen::MatrixXd by_constant = Eigen::MatrixXd::Ones(energy_model.constants.size(), P), by_node = Eigen::MatrixXd::Zero(model.mesh.node_count(), P);
+    by_constant.rightCols(P - 1) = energy_model.constants.cwiseInverse().asDiagonal() * terms.constants_by(zero);
     by_node.col(0).setOnes();
     u.by_constant = by_constant.sparseView();
     u.by_node = by_node.sparseView();
     for (Eigen::Index p = 0; p < P; ++p) {
-        Eigen::MatrixXd by = Eigen::MatrixXd::Zero(law.patch.log_N_m.rows(), law.patch.log_N_m.cols());
-        if (p > 0) by = terms.patch(Eigen::VectorXd::Unit(P - 1, p - 1)).log_N_m - law.patch.log_N_m;
+        Eigen::MatrixXd by = Eigen::MatrixXd::Zero(energy_model.patch.log_N_m.rows(), energy_model.patch.log_N_m.cols());
+        if (p > 0) by = terms.patch(Eigen::VectorXd::Unit(P - 1, p - 1)).log_N_m - energy_model.patch.log_N_m;
         u.by_patch.push_back(by);
     }
     u.prior = Eigen::MatrixXd::Identity(P, P) * options.term * options.term;
@@ -91,8 +91,8 @@ const std::vector<std::string>& unknown_kinds() {
 
 Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const PriorOptions& options) {
     if (!model.energy_model) throw MismatchError("only an energy model learns from measurements; this model has spring sets");
-    const EnergyModel& law = *model.energy_model;
-    const Eigen::Index E = law.constants.size(), N = model.mesh.node_count();
+    const EnergyModel& energy_model = *model.energy_model;
+    const Eigen::Index E = energy_model.constants.size(), N = model.mesh.node_count();
     Unknowns u;
     u.kind = kind;
     if (kind == "scale") {
@@ -106,7 +106,7 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
         const Embedding& embedding = model.mesh.embedding;
         const Eigen::Index K = embedding.node_count(), L = N - K;
         u.place_m = model.mesh.nodes.bottomRows(L);
-        u.by_constant = element_means(TissueEnergy(model.mesh, law)).rightCols(L);
+        u.by_constant = element_means(TissueEnergy(model.mesh, energy_model)).rightCols(L);
         std::vector<Eigen::Triplet<double>> entries;
         for (int i = 0; i < K; ++i)
             for (int k = 0; k < 8; ++k) entries.emplace_back(i, embedding.corner(i, k) - static_cast<int>(K), embedding.weight(i, k));
@@ -116,7 +116,7 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
         u.prior = covariance(model, u.place_m, options);
     } else if (kind == "elements") {
         u.place_m.resize(E + N, model.mesh.dimension());
-        u.place_m << NodeField(element_means(TissueEnergy(model.mesh, law)) * model.mesh.nodes), model.mesh.nodes;
+        u.place_m << NodeField(element_means(TissueEnergy(model.mesh, energy_model)) * model.mesh.nodes), model.mesh.nodes;
         u.by_constant = one_each(E, E + N, 0);
         u.by_node = one_each(N, E + N, E);
         u.prior = covariance(model, u.place_m, options);
@@ -126,11 +126,11 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
     return u;
 }
 
-EnergyModel with_unknowns(const EnergyModel& law, const Unknowns& unknowns, const Eigen::VectorXd& x) {
-    EnergyModel now = law;
-    now.constants = law.constants.array() * (unknowns.by_constant * x).array().exp();
+EnergyModel with_unknowns(const EnergyModel& energy_model, const Unknowns& unknowns, const Eigen::VectorXd& x) {
+    EnergyModel now = energy_model;
+    now.constants = energy_model.constants.array() * (unknowns.by_constant * x).array().exp();
     now.contact_log_scale = unknowns.by_node * x;
-    if (law.contact_log_scale.size() > 0) now.contact_log_scale += law.contact_log_scale;
+    if (energy_model.contact_log_scale.size() > 0) now.contact_log_scale += energy_model.contact_log_scale;
     for (std::size_t p = 0; p < unknowns.by_patch.size(); ++p) now.patch.log_N_m += x[static_cast<Eigen::Index>(p)] * unknowns.by_patch[p];
     return now;
 }

@@ -43,6 +43,6 @@ Unknowns make_unknowns(const TissueModel& model, const std::string& kind, const 
 const std::vector<std::string>& unknown_kinds();
 
 /// The energy model with the unknowns x (P) applied.
-EnergyModel with_unknowns(const EnergyModel& law, const Unknowns& unknowns, const Eigen::VectorXd& x);
+EnergyModel with_unknowns(const EnergyModel& energy_model, const Unknowns& unknowns, const Eigen::VectorXd& x);
 
 }  // namespace tissue

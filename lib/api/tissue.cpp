@@ -300,7 +300,7 @@ tissue_status tissue_positions(const tissue_session* s, double* position_m) {
     if (!s || !position_m) return bad("tissue_positions: a null pointer");
     const NodeField& nodes = s->model->rest.nodes;
     NodeColumns& u = s->seen;
-    s->simulation.seen(0, u);
+    s->simulation.displayed(0, u);
     for (Eigen::Index n = 0; n < nodes.rows(); ++n)
         for (Eigen::Index a = 0; a < nodes.cols(); ++a) *position_m++ = nodes(n, a) + u(n, a);
     return TISSUE_OK;
@@ -334,7 +334,7 @@ tissue_status tissue_surface(const tissue_session* s, const char* name, int* tri
     for (Eigen::Index t = 0; triangles && t < surface->triangles.rows(); ++t)
         for (Eigen::Index k = 0; k < 3; ++k) *triangles++ = surface->triangles(t, k);
     if (position_m) {
-        s->simulation.seen(0, s->seen);
+        s->simulation.displayed(0, s->seen);
         surface->places(s->seen, position_m);
     }
     return TISSUE_OK;

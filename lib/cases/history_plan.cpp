@@ -95,34 +95,34 @@ double log_uniform(Begun& begun, const double (&range)[2]) {
     return std::clamp(std::exp(begun.uniform(std::log(range[0]), std::log(range[1]))), range[0], range[1]);
 }
 
-Trajectory drawn_course(Begun& begun, const Study::Histories& group, const StudyPath& push) {
-    TrajectoryBuilder course(push.contact_m.size());
+Trajectory drawn_trajectory(Begun& begun, const Study::Histories& group, const StudyPath& push) {
+    TrajectoryBuilder trajectory(push.contact_m.size());
     const Point deep_m = push.depth_m * push.direction;
     if (group.kind == "sine") {
-        course.sine(deep_m, log_uniform(begun, group.frequency_Hz), group.duration_s);
-        return course.course();
+        trajectory.sine(deep_m, log_uniform(begun, group.frequency_Hz), group.duration_s);
+        return trajectory.trajectory();
     }
     const double rise_s = log_uniform(begun, group.rise_s);
-    course.stroke(deep_m, rise_s);
+    trajectory.stroke(deep_m, rise_s);
     if (group.kind == "poke") {
-        while (course.time_s() < group.duration_s) {
+        while (trajectory.time_s() < group.duration_s) {
             const Point direction = begun.strayed();
             const double depth_m = begun.uniform(group.depth_m[0], group.depth_m[1]);
-            course.stroke(depth_m * direction, log_uniform(begun, group.rise_s));
+            trajectory.stroke(depth_m * direction, log_uniform(begun, group.rise_s));
         }
-        return course.course();
+        return trajectory.trajectory();
     }
-    course.hold(group.hold_s);
+    trajectory.hold(group.hold_s);
     if (group.kind == "release") {
-        course.stroke(Point::Zero(deep_m.size()), rise_s);
-        course.hold(group.hold_s);
+        trajectory.stroke(Point::Zero(deep_m.size()), rise_s);
+        trajectory.hold(group.hold_s);
     } else if (group.kind == "again") {
-        course.away(away_s);
-        course.touch(group.apart_m > 0 ? 2 : 1);
-        course.stroke(push.depth_m * begun.second_direction(), rise_s);
-        course.hold(group.hold_s);
+        trajectory.away(away_s);
+        trajectory.touch(group.apart_m > 0 ? 2 : 1);
+        trajectory.stroke(push.depth_m * begun.second_direction(), rise_s);
+        trajectory.hold(group.hold_s);
     }
-    return course.course();
+    return trajectory.trajectory();
 }
 
 [[noreturn]] void refuse_place(const Study& study, const Study::Histories& group, const std::string& why) {
@@ -157,10 +157,10 @@ PlannedHistory listed(const Study& study, const std::optional<Shape>& shape, con
     PlannedHistory history;
     history.push.contact_m = listed_contact(study, shape, group);
     history.push.radius_m = study.indenter.radius_m;
-    history.course = read_course(group.file, history.push.contact_m.size());
+    history.trajectory = read_trajectory(group.file, history.push.contact_m.size());
     Eigen::Index deepest = 0;
-    history.push.depth_m = history.course.push_m.rowwise().norm().maxCoeff(&deepest);
-    history.push.direction = history.course.push_m.row(deepest).transpose().normalized();
+    history.push.depth_m = history.trajectory.push_m.rowwise().norm().maxCoeff(&deepest);
+    history.push.direction = history.trajectory.push_m.row(deepest).transpose().normalized();
     return history;
 }
 
@@ -189,8 +189,8 @@ std::vector<PlannedHistory> planned_histories(const Study& study, const std::opt
             PlannedHistory history;
             if (begun) {
                 begun->next(history);
-                history.course = drawn_course(*begun, group, history.push);
-                history.push.depth_m = history.course.depth_m();
+                history.trajectory = drawn_trajectory(*begun, group, history.push);
+                history.push.depth_m = history.trajectory.depth_m();
             } else {
                 history = listed(study, shape, group);
             }

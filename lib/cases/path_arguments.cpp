@@ -11,7 +11,7 @@ namespace {
 constexpr int nodule_label = 11;  ///< label of the nodule's elements
 
 /// Constitutive parameters for FreeFEM. ending: "" for the base material, "_11" for the elements with label 11.
-std::string parameter_arguments(const Study::LawParameters& p, const std::string& ending) {
+std::string parameter_arguments(const Study::MaterialParameters& p, const std::string& ending) {
     if (p.alpha.empty()) return fmt::format("-C1{2} {0} -C2{2} {1}", p.C1_Pa, p.C2_Pa, ending);
     std::string text;
     for (std::size_t k = 0; k < p.alpha.size(); ++k)
@@ -20,7 +20,7 @@ std::string parameter_arguments(const Study::LawParameters& p, const std::string
 }
 
 /// Material law and parameters for FreeFEM: those of the base material, then those of the named regions.
-std::string law_arguments(const Study::Material& m) {
+std::string material_arguments(const Study::Material& m) {
     std::string text = parameter_arguments(m, "");
     if (m.law == "ogden") text = fmt::format("-law ogden -terms {} ", m.alpha.size()) + text;
     int label = 10;
@@ -29,7 +29,7 @@ std::string law_arguments(const Study::Material& m) {
 }
 
 /// The Maxwell branches of one material for FreeFEM. Relaxation times are only given for the base material.
-std::string branch_arguments(const Study::LawParameters& p, const std::vector<Branch>& branches, const std::string& ending) {
+std::string branch_arguments(const Study::MaterialParameters& p, const std::vector<Branch>& branches, const std::string& ending) {
     std::string text;
     for (std::size_t k = 0; k < branches.size(); ++k) {
         text += fmt::format(" -g{}{} {}", k + 1, ending, p.share[k]);
@@ -78,7 +78,7 @@ std::string solid_arguments(const Study& s, const PlannedPath& path) {
         "-contact_y {} -contact_z {} -direction_x {} -direction_y {} -direction_z {} -disc_radius {} -depth {} -records {} -tolerance {} "
         "-max_newton {} -allow_lost 1{}",
         solid_geo, g.width_m, g.length_m, g.height_m, s.cells[0], s.cells[1], s.cells[2], path.sizes_m[0], path.sizes_m[1],
-        law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
+        material_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
         p.direction[2], p.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton, second);
 }
 
@@ -96,7 +96,7 @@ std::string solid_shape_arguments(const Study& s, const PlannedPath& path, const
         s.geometry.shape, s.geometry.unit_m, fmt::join(s.geometry.fixed, ","),
         beds,
         regions.empty() ? "" : fmt::format(" -regions {}", fmt::join(regions, ",")), springs, path.sizes_m[0], path.sizes_m[1],
-        law_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
+        material_arguments(s.material), nodule_arguments(s), p.contact_m[0], p.contact_m[1], p.contact_m[2], p.direction[0], p.direction[1],
         p.direction[2], p.radius_m, path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton);
 }
 
@@ -110,7 +110,7 @@ std::string path_arguments(const Study& s, const PlannedPath& path) {
         "{}-thickness {} {} {} -contact_x {} -contact_y {} "
         "-direction_x {} -direction_y {} -depth {} -records {} -tolerance {} -max_newton {} -formulation {} "
         "-indenter {} -patch_half_width {} -allow_lost {}",
-        size, g.thickness_m, law_arguments(s.material), lattice, p.contact_m.x(), p.contact_m.y(), p.direction.x(),
+        size, g.thickness_m, material_arguments(s.material), lattice, p.contact_m.x(), p.contact_m.y(), p.direction.x(),
         p.direction.y(), path.depth_m, path.records, s.solver.tolerance, s.solver.max_newton, s.material.formulation,
         s.indenter.kind, s.indenter.half_width_m, s.loads.sweep || path.role == "check" || path.role == history_role ? 1 : 0);
 }

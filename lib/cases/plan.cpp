@@ -276,15 +276,15 @@ Plan make_plan(const Study& study, const std::optional<Shape>& shape) {
     for (const Study::Histories& group : study.histories)  // the plan depends on the trajectory in the file
         if (!group.file.empty()) plan.fragment += "\n$(R)/plan.mk: $(wildcard " + for_make(study, "histories.file", group.file) + ")\n";
     for (const PlannedHistory& history : histories) {
-        const std::string course = "history-" + history.push.name;
-        plan.parts[course] = trajectory_text(history.course);
+        const std::string trajectory = "history-" + history.push.name;
+        plan.parts[trajectory] = trajectory_text(history.trajectory);
         for (const bool elastic : {false, true}) {
             if (elastic && !history.has_elastic(study)) continue;
             const PlannedPath path = path_of(study, history, elastic);
             const Solve solve = solve_of(path);
             const bool relaxes = study.material.relaxes() && !elastic;
-            solves(path, solve.arguments + history_arguments(study, history, "$(R)/plan/" + course, relaxes), "$(R)/plan/" + course + " " + solve.made_of,
-                   solve.part + history_arguments(study, history, course, relaxes));
+            solves(path, solve.arguments + history_arguments(study, history, "$(R)/plan/" + trajectory, relaxes), "$(R)/plan/" + trajectory + " " + solve.made_of,
+                   solve.part + history_arguments(study, history, trajectory, relaxes));
         }
     }
     return plan;

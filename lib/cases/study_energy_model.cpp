@@ -21,7 +21,7 @@ namespace tissue {
 
 namespace {
 
-const Study::LawParameters& parameters_of(const Study& study, int region) {
+const Study::MaterialParameters& parameters_of(const Study& study, int region) {
     if (region == 0) return study.material;
     if (static_cast<std::size_t>(region) > study.material.regions.size())
         throw MismatchError(fmt::format("the shape has region {}, and study '{}' only {}", region, study.name, study.material.regions.size()));
@@ -34,7 +34,7 @@ Eigen::VectorXd triangle_moduli(const Study& study, const std::optional<Shape>& 
     Eigen::VectorXd modulus = Eigen::VectorXd::Constant(mesh.simplices.rows(), modulus_N_m);
     if (study.material.regions.empty()) return modulus;
     for (Eigen::Index t = 0; t < modulus.size(); ++t) {
-        const Study::LawParameters& own = parameters_of(study, shape->region[static_cast<std::size_t>(t)]);
+        const Study::MaterialParameters& own = parameters_of(study, shape->region[static_cast<std::size_t>(t)]);
         modulus[t] = modulus_N_m * own.youngs_modulus_Pa() / study.material.youngs_modulus_Pa();
     }
     return modulus;
@@ -280,7 +280,7 @@ Eigen::VectorXd stiffness_of(const Study& study, const std::optional<Shape>& sha
 }
 
 /// Multiplies all moduli of a material by `share`.
-void take_share(Study::LawParameters& p, double share) {
+void take_share(Study::MaterialParameters& p, double share) {
     p.C1_Pa *= share;
     p.C2_Pa *= share;
     for (double& mu : p.mu_Pa) mu *= share;
@@ -288,19 +288,19 @@ void take_share(Study::LawParameters& p, double share) {
 
 }  // namespace
 
-Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const EnergyModelTerms& law) {
+Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const EnergyModelTerms& model_terms) {
     Relaxation r;
     if (!study.material.relaxes() || study.material.fits_shares) return r;
     const auto K = static_cast<Eigen::Index>(study.material.viscosity.size());
     r.tau_s.resize(K);
     r.contact_share.resize(K);
-    const Eigen::Index constants = law.energy(mesh).constant_count(), supports = mesh.support_count();
+    const Eigen::Index constants = model_terms.energy(mesh).constant_count(), supports = mesh.support_count();
     r.share.setZero(constants, K);  // supports do not relax
     for (Eigen::Index k = 0; k < K; ++k) {
         const auto b = static_cast<std::size_t>(k);
         r.tau_s[k] = study.material.viscosity[b].tau_s;
         r.contact_share[k] = study.material.viscosity[b].share;
-        const auto has_own = [&](const Study::LawParameters& p) { return p.share[b] != study.material.viscosity[b].share; };
+        const auto has_own = [&](const Study::MaterialParameters& p) { return p.share[b] != study.material.viscosity[b].share; };
         bool uniform = !study.nodule || !has_own(*study.nodule);
         for (const Study::Region& region : study.material.regions) uniform = uniform && !has_own(region);
         if (uniform) {

@@ -42,6 +42,6 @@ EnergyModelTerms study_energy_model(const Study& study, const std::optional<Shap
 /// branch is the mean over the materials in which its element lies, weighted by their stiffness; that of the contact is
 /// the base material's. Supports do not relax. Empty where the material does not relax, or where relative moduli are
 /// fitted to measured histories.
-Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const EnergyModelTerms& law);
+Relaxation study_relaxation(const Study& study, const std::optional<Shape>& shape, const SpringMesh& mesh, const EnergyModelTerms& model_terms);
 
 }  // namespace tissue

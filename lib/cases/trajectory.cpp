@@ -94,16 +94,16 @@ void TrajectoryBuilder::touch(int contact) {
     push_m_.back().setZero();
 }
 
-Trajectory TrajectoryBuilder::course() const {
-    Trajectory course;
-    course.time_s = Eigen::Map<const Eigen::VectorXd>(time_s_.data(), static_cast<Eigen::Index>(time_s_.size()));
-    course.push_m.resize(course.time_s.size(), push_m_.front().size());
-    for (Eigen::Index t = 0; t < course.time_s.size(); ++t) course.push_m.row(t) = push_m_[static_cast<std::size_t>(t)].transpose();
-    course.contact = contact_;
-    return course;
+Trajectory TrajectoryBuilder::trajectory() const {
+    Trajectory trajectory;
+    trajectory.time_s = Eigen::Map<const Eigen::VectorXd>(time_s_.data(), static_cast<Eigen::Index>(time_s_.size()));
+    trajectory.push_m.resize(trajectory.time_s.size(), push_m_.front().size());
+    for (Eigen::Index t = 0; t < trajectory.time_s.size(); ++t) trajectory.push_m.row(t) = push_m_[static_cast<std::size_t>(t)].transpose();
+    trajectory.contact = contact_;
+    return trajectory;
 }
 
-Trajectory read_course(const std::string& file, Eigen::Index D) {
+Trajectory read_trajectory(const std::string& file, Eigen::Index D) {
     CsvTable line(file);
     const std::vector<std::string> names = {"time_s", "x_m", "y_m", "z_m"};
     const auto columns = static_cast<std::size_t>(1 + D);
@@ -144,21 +144,21 @@ Trajectory read_course(const std::string& file, Eigen::Index D) {
     }
     if (passed_over) take(before_s, last_m);
     if (times.size() < 2) line.refuse("must have at least two rows");
-    Trajectory course;
-    course.time_s = Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
-    course.push_m.resize(course.time_s.size(), D);
-    for (Eigen::Index t = 0; t < course.time_s.size(); ++t) course.push_m.row(t) = pushes[static_cast<std::size_t>(t)].transpose();
-    course.contact.assign(times.size(), 1);
-    if (!(course.depth_m() > 0)) line.refuse("the tool never moves");
-    return course;
+    Trajectory trajectory;
+    trajectory.time_s = Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
+    trajectory.push_m.resize(trajectory.time_s.size(), D);
+    for (Eigen::Index t = 0; t < trajectory.time_s.size(); ++t) trajectory.push_m.row(t) = pushes[static_cast<std::size_t>(t)].transpose();
+    trajectory.contact.assign(times.size(), 1);
+    if (!(trajectory.depth_m() > 0)) line.refuse("the tool never moves");
+    return trajectory;
 }
 
-std::string trajectory_text(const Trajectory& course) {
+std::string trajectory_text(const Trajectory& trajectory) {
     std::string text;
-    for (Eigen::Index t = 0; t < course.time_s.size(); ++t) {
-        text += fmt::format("{}", course.time_s[t]);
-        for (Eigen::Index d = 0; d < course.push_m.cols(); ++d) text += fmt::format(" {}", course.push_m(t, d));
-        text += fmt::format(" 0 {}\n", course.contact[static_cast<std::size_t>(t)]);
+    for (Eigen::Index t = 0; t < trajectory.time_s.size(); ++t) {
+        text += fmt::format("{}", trajectory.time_s[t]);
+        for (Eigen::Index d = 0; d < trajectory.push_m.cols(); ++d) text += fmt::format(" {}", trajectory.push_m(t, d));
+        text += fmt::format(" 0 {}\n", trajectory.contact[static_cast<std::size_t>(t)]);
     }
     return text;
 }

@@ -71,7 +71,7 @@ class TrajectoryBuilder {
     void touch(int contact);
 
     double time_s() const { return time_s_.back(); }
-    Trajectory course() const;
+    Trajectory trajectory() const;
 
    private:
     void add(double time_s, const Point& push_m);
@@ -86,10 +86,10 @@ class TrajectoryBuilder {
 /// Reads a user's displacement history: CSV with the header time_s,x_m,y_m[,z_m]. Throws FileError with file, line and
 /// cause: another header, a field that is no number, times that do not ascend from 0 or exceed an hour, a beginning
 /// that is not at rest, no displacement at all.
-Trajectory read_course(const std::string& file, Eigen::Index D);
+Trajectory read_trajectory(const std::string& file, Eigen::Index D);
 
 /// The history as fem/history.idp reads it, one line a step: time, displacement along each axis, 0 (no nodes are
 /// written), contact. Numbers are written so that they read back to the same bits.
-std::string trajectory_text(const Trajectory& course);
+std::string trajectory_text(const Trajectory& trajectory);
 
 }  // namespace tissue

@@ -24,9 +24,9 @@ std::vector<VariantResult> ablate(const Study& study, const Cases& cases, int th
         changed.training.shape_scale = v.shape_scale;
         changed.loads.magnitudes_m = v.magnitudes_m;
         const Cases kept = thinned(study, cases, v);
-        const TrainedModel model = train_law_model(changed, kept, threads);
-        const EnergyModelDiagnostics& book = *model.books.law;
-        VariantResult result{v, book.paths, book.records, book.seconds, book.objective, endings_of(model.books).broken, {}, !kept.measurement};
+        const TrainedModel model = train_study_model(changed, kept, threads);
+        const EnergyModelDiagnostics& diagnostics = *model.books.energy_model;
+        VariantResult result{v, diagnostics.paths, diagnostics.records, diagnostics.seconds, diagnostics.objective, endings_of(model.books).broken, {}, !kept.measurement};
         result.held_out = evaluate_held_out(model, kept, threads, false);
         results.push_back(std::move(result));
         if (progress) progress(static_cast<int>(results.size()), static_cast<int>(variants.size()), v.name);

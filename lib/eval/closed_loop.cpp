@@ -11,40 +11,40 @@
 
 namespace tissue {
 
-ContactError error_of(const ContactAnswer& answer, const ContactReference& truth, const SpringMesh& mesh) {
-    return error_of(answer, truth, mesh, seen_nodes(mesh));
+ContactError error_of(const ContactAnswer& answer, const ContactReference& reference, const SpringMesh& mesh) {
+    return error_of(answer, reference, mesh, compared_nodes(mesh));
 }
 
-ContactError error_of(const ContactAnswer& answer, const ContactReference& truth, const SpringMesh& mesh, const std::vector<int>& seen) {
+ContactError error_of(const ContactAnswer& answer, const ContactReference& reference, const SpringMesh& mesh, const std::vector<int>& compared) {
     constexpr double missing = std::numeric_limits<double>::infinity();
     ContactError error{{}, {}, {}, answer.reason};
     const bool answered = answer.force_N && answer.force_N->allFinite() && answer.displacement_m.allFinite();
     if (answer.force_N && !answered) error.reason = "the result is not finite";
-    if (truth.force_N.squaredNorm() > 0)
-        error.force = answered ? (*answer.force_N - truth.force_N).norm() / truth.force_N.norm() : missing;
+    if (reference.force_N.squaredNorm() > 0)
+        error.force = answered ? (*answer.force_N - reference.force_N).norm() / reference.force_N.norm() : missing;
     else
         error.reason = "the reference force is zero";
     if (!answered) {
-        if (truth.displacement_m.size() > 0) error.shape = error.shape_max_over_depth = missing;
+        if (reference.displacement_m.size() > 0) error.shape = error.shape_max_over_depth = missing;
         return error;
     }
-    if (answer.displacement_m.size() == 0 || truth.displacement_m.size() == 0) return error;
+    if (answer.displacement_m.size() == 0 || reference.displacement_m.size() == 0) return error;
     double off = 0, moved = 0, farthest = 0;  // squares
-    for (int i : seen) {
+    for (int i : compared) {
         if (std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), i)) continue;
-        const double here = (answer.displacement_m.row(i) - truth.displacement_m.row(i)).squaredNorm();
+        const double here = (answer.displacement_m.row(i) - reference.displacement_m.row(i)).squaredNorm();
         off += here;
-        moved += truth.displacement_m.row(i).squaredNorm();
+        moved += reference.displacement_m.row(i).squaredNorm();
         farthest = std::max(farthest, here);
     }
     if (moved > 0) error.shape = std::sqrt(off / moved);
-    error.shape_max_over_depth = std::sqrt(farthest) / truth.push_m.norm();
+    error.shape_max_over_depth = std::sqrt(farthest) / reference.push_m.norm();
     return error;
 }
 
 ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                        const ContactReference& truth) {
-    return answer_of(solve_equilibrium(mesh, law, theta, truth.contact, truth.push_m));
+                        const ContactReference& reference) {
+    return answer_of(solve_equilibrium(mesh, law, theta, reference.contact, reference.push_m));
 }
 
 ContactAnswer answer_of(const Equilibrium& state) {
@@ -52,15 +52,15 @@ ContactAnswer answer_of(const Equilibrium& state) {
     return {state.contact_force, state.displacement, {}};
 }
 
-ContactAnswer answer_of(const IndentationSolver& law, const Point& contact_m, const Point& push_m, double radius_m) {
-    const IndentationSolver* press = nullptr;
+ContactAnswer answer_of(const IndentationSolver& solver, const Point& contact_m, const Point& push_m, double radius_m) {
+    const IndentationSolver* of_radius = nullptr;
     try {
-        press = &law.of(radius_m);
+        of_radius = &solver.of(radius_m);
     } catch (const MismatchError& unknown_disc) {
         return {{}, {}, unknown_disc.what()};
     }
-    ContactAnswer answer = answer_of(press->at(contact_m, push_m));
-    if (answer.force_N) answer.displacement_m = press->seen(contact_m, push_m, std::move(answer.displacement_m));
+    ContactAnswer answer = answer_of(of_radius->at(contact_m, push_m));
+    if (answer.force_N) answer.displacement_m = of_radius->displayed(contact_m, push_m, std::move(answer.displacement_m));
     return answer;
 }
 
@@ -93,16 +93,16 @@ ContactStatistics contact_statistics(const std::vector<ContactError>& errors, in
 }
 
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
-                                             const std::vector<ContactReference>& truths, double low_N_m, double high_N_m) {
+                                             const std::vector<ContactReference>& references, double low_N_m, double high_N_m) {
     // Spring forces are linear in theta. A common factor of theta scales the contact force and does not change the
     // equilibrium displacement, so one solve for each contact serves every candidate.
     std::vector<Eigen::VectorXd> unit_forces, fe_forces;  // empty where there is no equilibrium
     const Eigen::VectorXd unit = uniform_stiffness(mesh, 1.0);
-    for (const ContactReference& truth : truths) {
-        if (truth.force_N.squaredNorm() == 0) continue;  // no relative error is defined
-        const Equilibrium state = solve_equilibrium(mesh, law, unit, truth.contact, truth.push_m);
+    for (const ContactReference& reference : references) {
+        if (reference.force_N.squaredNorm() == 0) continue;  // no relative error is defined
+        const Equilibrium state = solve_equilibrium(mesh, law, unit, reference.contact, reference.push_m);
         unit_forces.push_back(state ? state.contact_force : Eigen::VectorXd());
-        fe_forces.push_back(truth.force_N);
+        fe_forces.push_back(reference.force_N);
     }
     std::optional<double> best;
     double best_median = std::numeric_limits<double>::infinity();

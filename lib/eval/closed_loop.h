@@ -22,7 +22,7 @@ struct ContactReference {
 /// Answer of one model at one contact with tool displacement d.
 struct ContactAnswer {
     std::optional<Eigen::VectorXd> force_N;  ///< r_model [N] (D); absent without an answer
-    /// u_model [m] (N x D), under a disc with its skin (IndentationSolver::seen); empty: force only.
+    /// u_model [m] (N x D), under a disc with its skin (IndentationSolver::displayed); empty: force only.
     NodeField displacement_m = {};
     std::string reason = {};                 ///< why there is no answer; empty with an answer
 };
@@ -39,21 +39,21 @@ struct ContactError {
 };
 
 /// Indentation errors of force and displacement. mesh: gives the fixed nodes, which are left out; its topology does not
-/// matter. seen: nodes that are compared, one by one (seen_nodes of mesh/free_surface.h, the default).
-ContactError error_of(const ContactAnswer& answer, const ContactReference& truth, const SpringMesh& mesh, const std::vector<int>& seen);
-ContactError error_of(const ContactAnswer& answer, const ContactReference& truth, const SpringMesh& mesh);
+/// matter. compared: nodes that are compared, one by one (compared_nodes of mesh/free_surface.h, the default).
+ContactError error_of(const ContactAnswer& answer, const ContactReference& reference, const SpringMesh& mesh, const std::vector<int>& compared);
+ContactError error_of(const ContactAnswer& answer, const ContactReference& reference, const SpringMesh& mesh);
 
 /// Equilibrium of the spring mesh with the reference's tool displacement. law: spring force (10); theta [N/m] (S).
 ContactAnswer answer_of(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                        const ContactReference& truth);
+                        const ContactReference& reference);
 
 /// Force and displacement of an equilibrium, or the reason why there is none.
 ContactAnswer answer_of(const Equilibrium& state);
 
 /// Equilibrium of the energy model `law` at a contact [m] (D) with tool displacement push_m [m] (D), with the skin
-/// (IndentationSolver::seen). radius_m: radius of the disc [m]; 0: the model's own. There is no answer for a radius outside the
+/// (IndentationSolver::displayed). radius_m: radius of the disc [m]; 0: the model's own. There is no answer for a radius outside the
 /// range that the model was trained under.
-ContactAnswer answer_of(const IndentationSolver& law, const Point& contact_m, const Point& push_m, double radius_m = 0);
+ContactAnswer answer_of(const IndentationSolver& solver, const Point& contact_m, const Point& push_m, double radius_m = 0);
 /// The same for a rigid ball. There is no answer where the contact is larger than the largest disc of the training, or
 /// the penetration depth larger than the effective radius R_e (springs/ball_contact.h).
 ContactAnswer answer_of(const BallIndentation& ball, const Point& contact_m, const Point& push_m);
@@ -71,6 +71,6 @@ ContactStatistics contact_statistics(const std::vector<ContactError>& errors, in
 /// A contact without an equilibrium counts as an infinite error. Contacts without a force are left out. Result: absent
 /// where the median is infinite.
 std::optional<double> best_uniform_stiffness(const SpringMesh& mesh, const SpringLaw& law,
-                                             const std::vector<ContactReference>& truths, double low_N_m, double high_N_m);
+                                             const std::vector<ContactReference>& references, double low_N_m, double high_N_m);
 
 }  // namespace tissue

@@ -107,10 +107,10 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
 
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
     std::vector<SurfacePoint> contacts;
-    std::vector<ContactReference> truths;
+    std::vector<ContactReference> references;
     for (const LoadCase& load : loads) {
         contacts.push_back(model.mesh.is_solid() ? SurfacePoint{} : locate_on_surface(model.mesh, load.path->contact_m));
-        truths.push_back({contacts.back(), load.path->push_m(*load.record), load.record->contact_force_N,
+        references.push_back({contacts.back(), load.path->push_m(*load.record), load.record->contact_force_N,
                           load.record->displacement});
     }
 
@@ -123,10 +123,10 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     result.optimum = model.books.optimum;
     result.problems = model.books.problems;
     result.energy_model = model.energy_model;
-    result.law_book = model.books.law;
+    result.energy_model_diagnostics = model.books.energy_model;
     std::optional<IndentationSolver> energy;
     if (model.energy_model) energy.emplace(model.mesh, energy_model_of_cases(model));
-    const std::vector<int> seen = seen_nodes(model.mesh);
+    const std::vector<int> compared = compared_nodes(model.mesh);
     std::vector<Candidate> candidates;
     const auto add_sets = [&](const std::string& name, const NodeField& theta) {
         candidates.push_back({name, {}});
@@ -145,7 +145,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     // No uniform baseline in space: the force under a contact of a few nodes depends on the mesh
     result.uniform_N_m = 0;
     const double low = 0.05 * model.modulus_N_m, high = 40 * model.modulus_N_m;
-    const std::optional<double> uniform = model.mesh.is_solid() ? std::optional<double>() : best_uniform_stiffness(model.mesh, *law, truths, low, high);
+    const std::optional<double> uniform = model.mesh.is_solid() ? std::optional<double>() : best_uniform_stiffness(model.mesh, *law, references, low, high);
     if (!model.mesh.is_solid()) {
         result.uniform_N_m = uniform ? *uniform : energy ? model.modulus_N_m : uniform_by_rel_loss(model, *law, loads, contacts, low, high);
         result.uniform_chosen_on = uniform ? "closed_loop" : energy ? "modulus" : "rel_loss";
@@ -172,13 +172,13 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
             const auto c = static_cast<std::size_t>(i);
             CaseError& e = errors.cases[c];
             if (candidate.theta.empty()) {  // the energy model
-                e.closed_loop = error_of(answer_of(*energy, loads[c].path->contact_m, truths[c].push_m, loads[c].path->radius_m), truths[c], model.mesh, seen);
+                e.closed_loop = error_of(answer_of(*energy, loads[c].path->contact_m, references[c].push_m, loads[c].path->radius_m), references[c], model.mesh, compared);
                 return;
             }
             if (result.open_loop())
                 e.open_loop = force_error(model.mesh, *law, candidate.at(c), contacts[c],
                             model.books.node_weight.row(static_cast<Eigen::Index>(c)), *loads[c].path, *loads[c].record);
-            e.closed_loop = error_of(answer_of(model.mesh, *law, candidate.at(c), truths[c]), truths[c], model.mesh, seen);
+            e.closed_loop = error_of(answer_of(model.mesh, *law, candidate.at(c), references[c]), references[c], model.mesh, compared);
         });
         NodeField theta(static_cast<Eigen::Index>(candidate.theta.size()), model.mesh.spring_count());
         for (std::size_t c = 0; c < candidate.theta.size(); ++c) theta.row(static_cast<Eigen::Index>(c)) = candidate.theta[c];
@@ -187,7 +187,7 @@ Evaluation evaluate(const TrainedModel& model, const Cases& cases, double k_min_
     }
     for (const LoadPath& path : cases.paths)
         if (path.role == "train" && !path.lost.empty()) result.lost.push_back(path.name + ": " + path.lost);
-    result.truth = check_discretisation(cases);
+    result.discretisation = check_discretisation(cases);
     result.held_out = evaluate_held_out(model, cases, threads);
     result.two_tools = evaluate_two_tools(model, cases, threads);
     result.map = force_map(model, cases, threads);

@@ -61,9 +61,9 @@ struct Evaluation {
     std::vector<double> lower_bound_rel;
     ProblemRecord problems;
     std::optional<EnergyModel> energy_model;                          ///< in place of `trained`, `optimum` and `problems`
-    std::optional<EnergyModelDiagnostics> law_book;
+    std::optional<EnergyModelDiagnostics> energy_model_diagnostics;
     std::vector<std::string> lost;                               ///< "name: why", training paths that end early in FE
-    DiscretisationCheck truth;                                            ///< discretisation error of the FE reference
+    DiscretisationCheck discretisation;                                            ///< discretisation error of the FE reference
     HeldOut held_out;                                            ///< empty where the study draws no contacts
     TwoTools two_tools;                                          ///< empty where the study draws no pairs of tools
     ForceMap map;                                                ///< empty where the study has no map

@@ -43,19 +43,19 @@ Json training(const SetDiagnostics& t) {
             {"status", counts(t.status)},             {"seconds", t.seconds}};
 }
 
-Json training(const EnergyModel& law, const EnergyModelDiagnostics& book) {
-    Json j = {{"objective", book.objective}, {"paths", book.paths}, {"records", book.records}, {"seconds", book.seconds},
-              {"factor", book.factor}, {"kept", book.kept}, {"lost", book.lost}};
-    for (std::size_t t = 0; t < law.terms.size(); ++t) j["terms"][law.terms[t]] = law.coefficients[static_cast<Eigen::Index>(t)];
-    if (const auto& s = book.shares) {
+Json training(const EnergyModel& energy_model, const EnergyModelDiagnostics& diagnostics) {
+    Json j = {{"objective", diagnostics.objective}, {"paths", diagnostics.paths}, {"records", diagnostics.records}, {"seconds", diagnostics.seconds},
+              {"factor", diagnostics.factor}, {"kept", diagnostics.kept}, {"lost", diagnostics.lost}};
+    for (std::size_t t = 0; t < energy_model.terms.size(); ++t) j["terms"][energy_model.terms[t]] = energy_model.coefficients[static_cast<Eigen::Index>(t)];
+    if (const auto& s = diagnostics.shares) {
         j["shares"] = {{"histories", s->histories}, {"status", s->status}, {"kkt_residual", s->kkt_residual}, {"misfit", s->misfit}, {"grown", s->grown}};
-        for (int k = 0; k < law.relaxation.branches(); ++k)
-            j["shares"]["branches"].push_back({{"g", law.relaxation.contact_share[k]}, {"tau_s", law.relaxation.tau_s[k]}});
+        for (int k = 0; k < energy_model.relaxation.branches(); ++k)
+            j["shares"]["branches"].push_back({{"g", energy_model.relaxation.contact_share[k]}, {"tau_s", energy_model.relaxation.tau_s[k]}});
     }
-    for (std::size_t s = 0; s < book.status.size(); ++s) {
+    for (std::size_t s = 0; s < diagnostics.status.size(); ++s) {
         const auto i = static_cast<Eigen::Index>(s);
-        j["starts"].push_back({{"status", book.status[s]}, {"objective", book.start_objective[i]}, {"gradient", book.gradient[i]},
-                               {"iterations", book.iterations[s]}, {"evaluations", book.evaluations[s]}});
+        j["starts"].push_back({{"status", diagnostics.status[s]}, {"objective", diagnostics.start_objective[i]}, {"gradient", diagnostics.gradient[i]},
+                               {"iterations", diagnostics.iterations[s]}, {"evaluations", diagnostics.evaluations[s]}});
     }
     return j;
 }
@@ -83,7 +83,7 @@ Json histories(const HistoryTable& h, bool measured) {
     return j;
 }
 
-Json two_tools(const PressedPairs& role, const std::vector<std::string>& models) {
+Json two_tools(const IndentationPairs& role, const std::vector<std::string>& models) {
     Json j;
     for (std::size_t m = 0; m < models.size(); ++m) {
         const ContactStatistics s = role.statistics(m);
@@ -92,7 +92,7 @@ Json two_tools(const PressedPairs& role, const std::vector<std::string>& models)
     }
     j["lost"] = role.lost;
     j["pairs"] = Json::array();
-    for (const PressedPair& pair : role.pairs) {
+    for (const IndentationPair& pair : role.pairs) {
         Json row = {{"name", pair.name}, {"apart_m", pair.apart_m()}, {"radius_m", pair.radius_m}};
         for (std::size_t t = 0; t < 2; ++t) {
             Json tool = {{"contact_m", pair.contact_m[t]}, {"push_m", pair.push_m[t]}, {"fe_force_N", pair.fe_force_N[t]}};
@@ -131,12 +131,12 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
     for (const ModelErrors& m : evaluation.models)
         j["closed_loop"]["trained"][m.name] = to_value(m.closed_loop(), seen_inside);
     if (!evaluation.uniform_chosen_on.empty()) j["uniform"] = {{"stiffness_N_m", evaluation.uniform_N_m}, {"chosen_on", evaluation.uniform_chosen_on}};
-    j["training"] = evaluation.law_book ? training(*evaluation.energy_model, *evaluation.law_book) : training(evaluation.trained.front());
+    j["training"] = evaluation.energy_model_diagnostics ? training(*evaluation.energy_model, *evaluation.energy_model_diagnostics) : training(evaluation.trained.front());
     for (std::size_t t = 1; t < evaluation.trained.size(); ++t)
         j["training_also"].push_back(training(evaluation.trained[t]));
-    if (!evaluation.law_book) j["optimum"] = {{"kkt_residual_max", evaluation.optimum.kkt_residual.maxCoeff()},
+    if (!evaluation.energy_model_diagnostics) j["optimum"] = {{"kkt_residual_max", evaluation.optimum.kkt_residual.maxCoeff()},
                     {"seconds", evaluation.optimum.seconds}};
-    if (!evaluation.law_book && !all_are("converged", evaluation.optimum.status)) j["optimum"]["status"] = counts(evaluation.optimum.status);
+    if (!evaluation.energy_model_diagnostics && !all_are("converged", evaluation.optimum.status)) j["optimum"]["status"] = counts(evaluation.optimum.status);
     if (const ProblemRecord& p = evaluation.problems; !all_are("posed", p.status) || p.one_set_status != "posed")
         if (!p.status.empty())
             j["problems"] = {{"objective", p.objective}, {"status", counts(p.status)}, {"one_set_status", p.one_set_status}};
@@ -171,7 +171,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
             j["drawn"][role.role].push_back(std::move(row));
         }
     }
-    for (const PressedPairs& role : evaluation.two_tools.roles) j["two_tools"][role.role] = two_tools(role, evaluation.two_tools.models);
+    for (const IndentationPairs& role : evaluation.two_tools.roles) j["two_tools"][role.role] = two_tools(role, evaluation.two_tools.models);
     for (const DrawnCurve& c : held_out.curves)
         j["drawn_curves"].push_back({{"name", c.name},
                                      {"magnitude_m", c.magnitude_m},
@@ -191,12 +191,12 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
             j["map"]["contrast"] = {{"over_m", c->over_m}, {"far_m", c->far_m}, {"fe", c->fe}, {"learned", or_null(c->learned)}};
     }
     if (const HistoryTable& h = evaluation.histories; !h.empty()) j["histories"] = histories(h, evaluation.measurement.has_value());
-    if (!evaluation.truth.empty()) {
-        j["truth_check"] = to_value(evaluation.truth.difference);
-        j["truth_check"]["lost"] = evaluation.truth.lost;
-        j["truth_check"]["unmatched"] = evaluation.truth.unmatched;
+    if (!evaluation.discretisation.empty()) {
+        j["truth_check"] = to_value(evaluation.discretisation.difference);
+        j["truth_check"]["lost"] = evaluation.discretisation.lost;
+        j["truth_check"]["unmatched"] = evaluation.discretisation.unmatched;
     }
-    if (evaluation.law_book)  // for spring sets these errors are in `cases`
+    if (evaluation.energy_model_diagnostics)  // for spring sets these errors are in `cases`
         for (std::size_t c = 0; c < evaluation.case_names.size(); ++c)
             j["trained_errors"].push_back({{"name", evaluation.case_names[c]}, {"error", or_null(evaluation.models.front().cases[c].closed_loop.force)}});
     if (!evaluation.listed) return j.dump(1) + "\n";
@@ -209,7 +209,7 @@ std::string to_json(const Evaluation& evaluation, unsigned long seed, const Eval
                                 {"force_steps", s.force_steps},
                                 {"force_falls", s.force_falls},
                                 {"smallest_eigenvalue_E2", s.smallest_eigenvalue},
-                                {"floppy_sets", s.floppy_sets}};
+                                {"floppy_sets", s.singular_sets}};
     }
     for (const FrontPoint& p : evaluation.front)
         j["ridge_front"].push_back({{"ridge", p.ridge},

@@ -60,14 +60,14 @@ ForceMap force_map(const TissueModel& model, const Cases& cases, int threads) {
     }
     if (map.lost.empty() && paths.empty()) return map;
     if (!model.energy_model) throw MismatchError("a force map needs an energy model, and this model has spring sets");
-    const IndentationSolver press(model);
+    const IndentationSolver solver(model);
     map.places.resize(paths.size());
     parallel_for(static_cast<int>(paths.size()), threads, [&](int i) {
         const LoadPath& path = *paths[static_cast<std::size_t>(i)];
         const PathRecord& record = path.records.back();
         ForceMap::Place& place = map.places[static_cast<std::size_t>(i)];
         place = {path.name, path.contact_m, record.contact_force_N.dot(path.direction), {}};
-        const Equilibrium state = press.at(path.contact_m, path.push_m(record));
+        const Equilibrium state = solver.at(path.contact_m, path.push_m(record));
         if (state) place.learned_N = state.contact_force.dot(path.direction);
     });
     map.contrast = contrast_of(map, model.energy_model->disc.ground);

@@ -36,7 +36,7 @@ struct Baseline {
     Eigen::VectorXd theta;
 };
 
-ContactReference truth_of(const SpringMesh& mesh, const LoadPath& path, const PathRecord& record) {
+ContactReference reference_of(const SpringMesh& mesh, const LoadPath& path, const PathRecord& record) {
     return {mesh.is_solid() ? SurfacePoint{} : locate_on_surface(mesh, path.contact_m), path.push_m(record), record.contact_force_N,
             record.displacement};
 }
@@ -57,12 +57,12 @@ std::vector<Setting> settings_of(const TissueModel& model, const std::vector<Loa
         settings.push_back({own ? "" : "_" + topology + "_" + law, with_topology(model.mesh, topology),
                             make_spring_law(law), 0});
         // at most 150 of the training contacts are enough to choose one stiffness
-        std::vector<ContactReference> truths;
+        std::vector<ContactReference> references;
         const std::size_t stride = 1 + loads.size() / 150;
         for (std::size_t c = 0; c < loads.size(); c += stride)
-            truths.push_back(truth_of(settings.back().mesh, *loads[c].path, *loads[c].record));
+            references.push_back(reference_of(settings.back().mesh, *loads[c].path, *loads[c].record));
         settings.back().uniform_N_m =
-            best_uniform_stiffness(settings.back().mesh, *settings.back().law, truths, 0.05 * model.modulus_N_m,
+            best_uniform_stiffness(settings.back().mesh, *settings.back().law, references, 0.05 * model.modulus_N_m,
                                    40 * model.modulus_N_m)
                 .value_or(model.modulus_N_m);
     };
@@ -93,29 +93,29 @@ std::vector<Baseline> baselines_of(const TissueModel& model, const std::vector<S
 
 /// An energy model with other constants and the untrained contact, for the same disc radii. Its springs are linear, as
 /// Van Gelder's heuristic assumes.
-EnergyModel untrained_law(const TrainedModel& model, const Eigen::VectorXd& constants, bool incompressible) {
-    const EnergyModel& law = *model.energy_model;
-    EnergyModel other{{}, {}, constants, model.books.law->untrained_patch, incompressible, law.disc_radius_m, law.disc};
-    other.sizes = law.sizes;
+EnergyModel untrained_energy_model(const TrainedModel& model, const Eigen::VectorXd& constants, bool incompressible) {
+    const EnergyModel& energy_model = *model.energy_model;
+    EnergyModel other{{}, {}, constants, model.books.energy_model->untrained_patch, incompressible, energy_model.disc_radius_m, energy_model.disc};
+    other.sizes = energy_model.sizes;
     return other;
 }
 
 /// In space: uniform stiffness [N/m] with the smallest median indentation error of force at some ten load cases, under
 /// the untrained contact. Candidates are 0.25 to 4 times the mean of heuristic_a, in factors of sqrt(2).
-double best_uniform_under_law(const TrainedModel& model, const std::vector<LoadCase>& loads, int threads) {
+double best_uniform_under_patch(const TrainedModel& model, const std::vector<LoadCase>& loads, int threads) {
     const double mean = model.heuristic_a.mean();
-    const EnergyModelDiagnostics& book = *model.books.law;
+    const EnergyModelDiagnostics& diagnostics = *model.books.energy_model;
     double best = mean, best_median = std::numeric_limits<double>::infinity();
     std::vector<const LoadCase*> some;
     for (std::size_t c = 0; c < loads.size(); c += 1 + loads.size() / 10)
         if (loads[c].record->contact_force_N.squaredNorm() > 0) some.push_back(&loads[c]);
     for (double factor = 0.25; factor < 4.1; factor *= std::sqrt(2.0)) {
-        const Eigen::VectorXd constants = springs_alone(model.mesh, book.untrained_constants, uniform_stiffness(model.mesh, factor * mean));
-        const IndentationSolver press(model.mesh, untrained_law(model, constants, false));
+        const Eigen::VectorXd constants = springs_alone(model.mesh, diagnostics.untrained_constants, uniform_stiffness(model.mesh, factor * mean));
+        const IndentationSolver solver(model.mesh, untrained_energy_model(model, constants, false));
         std::vector<double> errors(some.size(), std::numeric_limits<double>::infinity());
         parallel_for(static_cast<int>(some.size()), threads, [&](int i) {
             const LoadCase& load = *some[static_cast<std::size_t>(i)];
-            const ContactAnswer answer = answer_of(press, load.path->contact_m, load.path->push_m(*load.record), load.path->radius_m);
+            const ContactAnswer answer = answer_of(solver, load.path->contact_m, load.path->push_m(*load.record), load.path->radius_m);
             const Point& force_N = load.record->contact_force_N;
             if (answer.force_N) errors[static_cast<std::size_t>(i)] = (Point(*answer.force_N) - force_N).norm() / force_N.norm();
         });
@@ -233,7 +233,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
 
     const std::vector<LoadCase> loads = load_cases(cases);
     const bool solid = model.mesh.is_solid();
-    const std::vector<int> seen = seen_nodes(model.mesh);
+    const std::vector<int> compared = compared_nodes(model.mesh);
     const std::unique_ptr<SpringLaw> law = make_spring_law(model.law);
     // two dimensions only: arc length along the free surface, and baselines under a contact of two nodes
     std::optional<Outline> outline;
@@ -257,20 +257,20 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     std::optional<SetGrid> sets;
     if (model.energy_model) {
         laws.emplace_back("learned", std::make_unique<IndentationSolver>(model.mesh, energy_model_of_cases(model)));
-        const EnergyModelDiagnostics& book = *model.books.law;
+        const EnergyModelDiagnostics& diagnostics = *model.books.energy_model;
         const auto add = [&](const std::string& name, const Eigen::VectorXd& constants, const SpringCurve& curve) {
-            EnergyModel other = untrained_law(model, constants, model.energy_model->incompressible);
+            EnergyModel other = untrained_energy_model(model, constants, model.energy_model->incompressible);
             other.curve = curve;
             laws.emplace_back(name, std::make_unique<IndentationSolver>(model.mesh, std::move(other)));
         };
-        add("untrained", book.untrained_constants, model.energy_model->curve);
-        const auto add_springs = [&](const std::string& name, const Eigen::VectorXd& theta) { add(name, springs_alone(model.mesh, book.untrained_constants, theta), SpringCurve()); };
+        add("untrained", diagnostics.untrained_constants, model.energy_model->curve);
+        const auto add_springs = [&](const std::string& name, const Eigen::VectorXd& theta) { add(name, springs_alone(model.mesh, diagnostics.untrained_constants, theta), SpringCurve()); };
         if (with_baselines)
             for (const Baseline& b : baselines)
                 if (b.setting == &settings[0]) add_springs(b.name + "_patch", b.theta);
         if (with_baselines && solid) {
             add_springs("heuristic_a_patch", model.heuristic_a);
-            add_springs("uniform_patch", uniform_stiffness(model.mesh, best_uniform_under_law(model, loads, threads)));
+            add_springs("uniform_patch", uniform_stiffness(model.mesh, best_uniform_under_patch(model, loads, threads)));
         }
     } else {
         sets.emplace(model);
@@ -284,7 +284,7 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
     const auto learned = [&](const LoadPath& path, const PathRecord& record) {
         if (!sets) return answer_of(*laws[0].second, path.contact_m, path.push_m(record), path.radius_m);
         const int set = sets->nearest(outline->arc_of(path.contact_m), path.direction, record.magnitude_m);
-        return answer_of(model.mesh, *law, model.trained.front().theta.row(set).transpose(), truth_of(model.mesh, path, record));
+        return answer_of(model.mesh, *law, model.trained.front().theta.row(set).transpose(), reference_of(model.mesh, path, record));
     };
     for (DrawnContacts& role : result.roles) {
         std::vector<const LoadPath*> paths;
@@ -306,19 +306,19 @@ HeldOut evaluate_held_out(const TrainedModel& model, const Cases& cases, int thr
             ForceTable::Entry tabled = solid ? solid_table->at(path.contact_m, path.direction, record.magnitude_m / times)
                                              : table->at(arc, path.direction, record.magnitude_m);
             tabled.force_N *= times * times;
-            const ContactReference truth = truth_of(model.mesh, path, record);
+            const ContactReference reference = reference_of(model.mesh, path, record);
             DrawnContact& contact = role.contacts[static_cast<std::size_t>(p)];
             const FreeSurface::Place place = solid ? surface.nearest(path.contact_m) : FreeSurface::Place{};
             const double angle = solid ? std::acos(std::clamp(place.inward.dot(path.direction), -1.0, 1.0)) : outline->angle(arc, path.direction);
             contact = {path.name, path.contact_m, path.direction, arc, angle / degree, record.magnitude_m, solid ? surface.clearance_m(path.contact_m) : std::nan(""),
                        solid ? surface.thickness_m(place.point_m, place.inward) : std::nan(""), record.contact_force_N, tabled.extrapolated, {}, solid ? disc_of(path) : 0};
             const auto add = [&](const ContactAnswer& answer) {
-                contact.error.push_back(error_of(answer, truth, model.mesh, seen));
+                contact.error.push_back(error_of(answer, reference, model.mesh, compared));
             };
             add(learned(path, record));
             add({tabled.force_N});
-            for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(*laws[l].second, path.contact_m, truth.push_m, path.radius_m));
-            for (const Baseline& b : baselines) add(answer_of(b.setting->mesh, *b.setting->law, b.theta, truth));
+            for (std::size_t l = 1; l < laws.size(); ++l) add(answer_of(*laws[l].second, path.contact_m, reference.push_m, path.radius_m));
+            for (const Baseline& b : baselines) add(answer_of(b.setting->mesh, *b.setting->law, b.theta, reference));
             if (cases.measurement && path.again_N) add({*path.again_N});
             if (cases.measurement && !path.again_N) contact.error.push_back({{}, {}, {}, "measured once"});
         });

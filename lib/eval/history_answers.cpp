@@ -86,8 +86,8 @@ struct Fit {
 
 constexpr double slow = 0.05;  ///< rms error of `prony` below which inertia does not matter in a history
 
-TissueModel with_law(TissueModel model, EnergyModel law) {
-    model.energy_model = std::move(law);
+TissueModel with_energy_model(TissueModel model, EnergyModel energy_model) {
+    model.energy_model = std::move(energy_model);
     return model;
 }
 
@@ -104,12 +104,12 @@ HistoryError history_error(const Eigen::VectorXd& time_s, const NodeField& truth
 
 NodeField play_history(const HapticModel& model, const History& history) {
     const HapticMesh& mesh = *model.meshes.front();
-    if (!mesh.law) throw MismatchError("displacement histories need an energy model; this model has spring sets");
+    if (!mesh.energy_model) throw MismatchError("displacement histories need an energy model; this model has spring sets");
     const double dt = model.options.dt_s, step_s = dt / mesh.substeps;
-    const auto dynamics = make_dynamics(mesh.dynamics, mesh.springs, {step_s, mesh.damping_1_s, mesh.law.get()});
+    const auto dynamics = make_dynamics(mesh.dynamics, mesh.springs, {step_s, mesh.damping_1_s, mesh.energy_model.get()});
     MeshState state(mesh.springs, mesh.theta_of_set.col(0));
-    state.memory = mesh.law->memory(step_s);
-    ToolMemory memory = mesh.law->tool_memory(step_s);
+    state.memory = mesh.energy_model->memory(step_s);
+    ToolMemory memory = mesh.energy_model->tool_memory(step_s);
     const Touch places[2] = {touch_at(model.rest, history.contact_m), touch_at(model.rest, history.second_contact_m.value_or(history.contact_m))};
     ToolSpring tool;
     ContactLoad load;
@@ -119,7 +119,7 @@ NodeField play_history(const HapticModel& model, const History& history) {
     NodeField answer = NodeField::Zero(T, model.dimension());
     Point last = Point::Zero(model.dimension());
     int touching = history.contact[0], before = touching;
-    if (touching > 0) mesh.law->contacts().at(places[touching - 1].facet, places[touching - 1].weight, {}, tool);
+    if (touching > 0) mesh.energy_model->contacts().at(places[touching - 1].facet, places[touching - 1].weight, {}, tool);
     Eigen::Index next = 1;
     for (long long tick = 1; next < T; ++tick) {
         const double t = static_cast<double>(tick) * dt;
@@ -129,7 +129,7 @@ NodeField play_history(const HapticModel& model, const History& history) {
         if (const int now = history.contact[after - 1] == history.contact[after] ? history.contact[after] : t + 1e-9 >= history.time_s[T - 1] ? history.contact[after] : 0; now != touching) {
             touching = now;
             memory.forget();
-            if (now > 0) mesh.law->contacts().at(places[now - 1].facet, places[now - 1].weight, {}, tool);
+            if (now > 0) mesh.energy_model->contacts().at(places[now - 1].facet, places[now - 1].weight, {}, tool);
         }
         load.tool = touching > 0 ? &tool : nullptr;
         load.push_m = row_at(history.time_s, history.push_m, t);
@@ -202,12 +202,12 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
     if (histories.empty()) return table;
     if (!model.energy_model) throw MismatchError("displacement histories need an energy model; this model has spring sets");
     table.models = {"learned", "long_term", "instantaneous", "best_factor", "kelvin_voigt", "one_branch", "prony"};
-    const EnergyModel& law = *model.energy_model;
+    const EnergyModel& energy_model = *model.energy_model;
     HapticOptions options;
     options.heuristic_mesh = false;
     const HapticModel learned(model, options);
     options.damping_ratio = learned.options.damping_ratio;
-    const HapticModel at_once(with_law(model, instantaneous(law)), options), after_long(with_law(model, long_term(law)), options);
+    const HapticModel at_once(with_energy_model(model, instantaneous(energy_model)), options), after_long(with_energy_model(model, long_term(energy_model)), options);
 
     const std::size_t H = histories.size();
     std::vector<std::vector<NodeField>> answer(H, std::vector<NodeField>(3));
@@ -224,7 +224,7 @@ HistoryTable evaluate_histories(const TissueModel& model, const std::vector<Hist
     for (std::size_t h = 0; h < H; ++h) {
         const History& history = *histories[h];
         if (history.elastic_N.rows() == history.time_s.size())
-            prony[h] = relaxed(history.time_s, history.elastic_N, law.relaxation.tau_s, law.relaxation.contact_share);
+            prony[h] = relaxed(history.time_s, history.elastic_N, energy_model.relaxation.tau_s, energy_model.relaxation.contact_share);
         fits[h] = answer[h][2].allFinite() && prony[h].rows() > 0 && history_error(history.time_s, history.force_N, prony[h]).rms < slow;
     }
     table.fitted_to_all = std::find(fits.begin(), fits.end(), true) == fits.end();

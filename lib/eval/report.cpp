@@ -47,7 +47,7 @@ std::string counted(const std::vector<std::string>& status) {
 
 /// Warning at the head of the report where part of the training did not converge; else "".
 std::string broken_markdown(const Evaluation& e) {
-    const Endings endings = e.law_book ? endings_of(*e.law_book) : endings_of(e.problems, e.trained, e.optimum);
+    const Endings endings = e.energy_model_diagnostics ? endings_of(*e.energy_model_diagnostics) : endings_of(e.problems, e.trained, e.optimum);
     if (endings.broken.empty()) return "";
     std::string out = "**Part of the training did not converge** (results/FORMATS.md defines each status):\n\n";
     for (const std::string& line : endings.broken) out += "- " + line + "\n";
@@ -198,7 +198,7 @@ std::string held_out_markdown(const HeldOut& h, bool measured, bool solid) {
 
 std::string two_tools_markdown(const TwoTools& two) {
     std::string out;
-    for (const PressedPairs& role : two.roles) {
+    for (const IndentationPairs& role : two.roles) {
         out += fmt::format("## Two discs at once: pairs of `{}`, force error on each disc\n\n| model | median | p95 | max | n of N |\n|---|---|---|---|---|\n", role.role);
         for (std::size_t m = 0; m < two.models.size(); ++m) {
             const Statistics s = role.statistics(m).force;
@@ -208,8 +208,8 @@ std::string two_tools_markdown(const TwoTools& two) {
         out += fmt::format("\n`learned`: both discs press the model at once. `alone`: each disc presses it without the other. N counts two forces a pair. {} Pairs without an FE reference: {}{}\n",
                            rule, role.lost.size(), role.lost.empty() ? "." : ":");
         for (const std::string& lost : role.lost) out += "- " + lost + "\n";
-        std::vector<const PressedPair*> nearest;
-        for (const PressedPair& pair : role.pairs) nearest.push_back(&pair);
+        std::vector<const IndentationPair*> nearest;
+        for (const IndentationPair& pair : role.pairs) nearest.push_back(&pair);
         std::sort(nearest.begin(), nearest.end(), [](const auto* a, const auto* b) { return a->apart_m() < b->apart_m(); });
         constexpr std::size_t most = 20;
         out += fmt::format("\nPairs by the distance of their centres at rest{}; of the first and of the second disc:\n\n| pair | apart mm | depth mm | FE force N |",
@@ -219,7 +219,7 @@ std::string two_tools_markdown(const TwoTools& two) {
         for (std::size_t m = 0; m < two.models.size(); ++m) out += "---|";
         out += "\n";
         for (std::size_t i = 0; i < std::min(most, nearest.size()); ++i) {
-            const PressedPair& p = *nearest[i];
+            const IndentationPair& p = *nearest[i];
             out += fmt::format("| {} | {:.1f} | {:.2f}, {:.2f} | {:.3f}, {:.3f} |", p.name, 1e3 * p.apart_m(), 1e3 * p.push_m[0].norm(), 1e3 * p.push_m[1].norm(), p.fe_force_N[0].norm(),
                                p.fe_force_N[1].norm());
             for (const auto& error : p.error) out += fmt::format(" {}, {} |", percent(error[0].force.value_or(std::nan(""))), percent(error[1].force.value_or(std::nan(""))));
@@ -230,15 +230,15 @@ std::string two_tools_markdown(const TwoTools& two) {
     return out;
 }
 
-std::string truth_markdown(const DiscretisationCheck& truth) {
-    if (truth.empty()) return "";
+std::string discretisation_markdown(const DiscretisationCheck& discretisation) {
+    if (discretisation.empty()) return "";
     std::string out = fmt::format(
         "## Discretisation error of the FE reference\n\nForces of the finite elements differ from those on the study's finer mesh by {} "
-        "(median / p95 / max, {}).", summary(truth.difference), n_of_N(truth.difference, "indentations"));
-    if (!truth.lost.empty()) out += " On the finer mesh these load paths end early:\n";
-    for (const std::string& lost : truth.lost) out += "\n- " + lost;
-    if (!truth.unmatched.empty()) out += "\n\nThese have no load path on the study's mesh for comparison:\n";
-    for (const std::string& unmatched : truth.unmatched) out += "\n- " + unmatched;
+        "(median / p95 / max, {}).", summary(discretisation.difference), n_of_N(discretisation.difference, "indentations"));
+    if (!discretisation.lost.empty()) out += " On the finer mesh these load paths end early:\n";
+    for (const std::string& lost : discretisation.lost) out += "\n- " + lost;
+    if (!discretisation.unmatched.empty()) out += "\n\nThese have no load path on the study's mesh for comparison:\n";
+    for (const std::string& unmatched : discretisation.unmatched) out += "\n- " + unmatched;
     return out + "\n\n";
 }
 
@@ -311,42 +311,42 @@ std::string factor_of(const std::string& term, double p, bool starts_below_cap) 
     return starts_below_cap ? fmt::format("{:.3g}", bent_factor(p)) : "none";
 }
 
-std::string law_markdown(const EnergyModel& law, const EnergyModelDiagnostics& book, bool measured) {
+std::string energy_model_markdown(const EnergyModel& energy_model, const EnergyModelDiagnostics& diagnostics, bool measured) {
     const std::string errors = measured ? "force errors, in their scale" : "force and displacement errors, each in its scale";
     std::string over;
-    if (measured) over = fmt::format(", with {:.3g} times the study's E2, fitted to the forces,", book.factor);
+    if (measured) over = fmt::format(", with {:.3g} times the study's E2, fitted to the forces,", diagnostics.factor);
     std::string out = fmt::format(
         "\n## The energy model\n\n{} parameters from {} {} paths, {} load cases, in {:.1f} s. Objective {:.4g}: the mean square of {}, plus "
         "the ridge. Every constant is its heuristic{} times exp(sum of coefficient x term); constants of cells stay below their "
         "cap; the {} constants are in model.h5. Terms of the skin, where there are any, change no constant (lib/springs/skin.h).\n\n| term | coefficient | factor where the term is 1 |\n|---|---|---|\n",
-        law.terms.size(), book.paths, measured ? "measured" : "FE", book.records, book.seconds, book.objective, errors,
-        over, law.constants.size());
-    for (std::size_t t = 0; t < law.terms.size(); ++t) {
-        const double p = law.coefficients[static_cast<Eigen::Index>(t)];
-        out += fmt::format("| {} | {:.3f} | {} |\n", law.terms[t], p, factor_of(law.terms[t], p, law.incompressible || law.disc_radius_m > 0));
+        energy_model.terms.size(), diagnostics.paths, measured ? "measured" : "FE", diagnostics.records, diagnostics.seconds, diagnostics.objective, errors,
+        over, energy_model.constants.size());
+    for (std::size_t t = 0; t < energy_model.terms.size(); ++t) {
+        const double p = energy_model.coefficients[static_cast<Eigen::Index>(t)];
+        out += fmt::format("| {} | {:.3f} | {} |\n", energy_model.terms[t], p, factor_of(energy_model.terms[t], p, energy_model.incompressible || energy_model.disc_radius_m > 0));
     }
-    if (book.at_rest) out += "\nThe measurements are of tissue at rest: they are compared with the long-term force of the model.\n";
+    if (diagnostics.at_rest) out += "\nThe measurements are of tissue at rest: they are compared with the long-term force of the model.\n";
     out += "\n| start | ended | objective | largest derivative | iterations | evaluations |\n|---|---|---|---|---|---|\n";
-    for (std::size_t s = 0; s < book.status.size(); ++s) {
+    for (std::size_t s = 0; s < diagnostics.status.size(); ++s) {
         const auto i = static_cast<Eigen::Index>(s);
         out += fmt::format("| {}{} | {} | {:.4g} | {:.1e} | {} | {} |\n", s == 0 ? "the heuristic" : fmt::format("drawn {}", s),
-                           static_cast<int>(s) == book.kept ? ", kept" : "", book.status[s], book.start_objective[i],
-                           book.gradient[i], book.iterations[s], book.evaluations[s]);
+                           static_cast<int>(s) == diagnostics.kept ? ", kept" : "", diagnostics.status[s], diagnostics.start_objective[i],
+                           diagnostics.gradient[i], diagnostics.iterations[s], diagnostics.evaluations[s]);
     }
-    if (book.shares) {
-        const EnergyModelDiagnostics::Shares& s = *book.shares;
+    if (diagnostics.shares) {
+        const EnergyModelDiagnostics::Shares& s = *diagnostics.shares;
         out += fmt::format("\nMaxwell branches fitted to {} measured histories, {}: force residual {} rms, noise included; KKT residual {:.1e}.{}\n", s.histories, s.status,
                            percent(s.misfit), s.kkt_residual, s.grown > 1 ? fmt::format(" The training forces are of tissue at rest; the instantaneous force is {:.3g} times the force at rest.", s.grown) : "");
         out += "\n| relative modulus g | relaxation time |\n|---|---|\n";
-        for (int k = 0; k < law.relaxation.branches(); ++k) out += fmt::format("| {:.3f} | {:.3g} s |\n", law.relaxation.contact_share[k], law.relaxation.tau_s[k]);
+        for (int k = 0; k < energy_model.relaxation.branches(); ++k) out += fmt::format("| {:.3f} | {:.3g} s |\n", energy_model.relaxation.contact_share[k], energy_model.relaxation.tau_s[k]);
     }
-    if (!book.lost.empty()) out += "\nTraining load cases without an equilibrium:\n\n";
-    for (const std::string& lost : book.lost) out += "- " + lost + "\n";
+    if (!diagnostics.lost.empty()) out += "\nTraining load cases without an equilibrium:\n\n";
+    for (const std::string& lost : diagnostics.lost) out += "- " + lost + "\n";
     return out;
 }
 
 /// Figures of a study with an energy model, as planned in cases/plan.cpp.
-std::string law_figures(const Evaluation& e, bool solid) {
+std::string energy_model_figures(const Evaluation& e, bool solid) {
     std::vector<const char*> figures;
     if (e.measurement) figures = {"held_out"};
     else if (!e.held_out.empty()) figures = {"held_out", "held_out_force", "shape", solid ? "solid" : "contours"};
@@ -367,7 +367,7 @@ std::string to_markdown(const Evaluation& e) {
         out += fmt::format(
             "**On the test set the force error of the trained model is {} (median), {} (95th percentile) and {} (largest); {}{}.**\n\nWritten by `tissuectl eval` {}.\n\n",
             percent(s.force.median), percent(s.force.p95), percent(s.force.max), n_of_N(s.force, e.measurement ? "rows" : "contacts"), e.measurement ? "" : "; displacement error " + summary(s.shape), version);
-    } else if (e.law_book) {
+    } else if (e.energy_model_diagnostics) {
         out += fmt::format("**At the training contacts the force error of the model is {} and its displacement error {} (median / "
                            "p95 / max, {}).**\n\nWritten by `tissuectl eval` {}.\n\n",
                            summary(learned.closed_loop().force), summary(learned.closed_loop().shape), n_of_N(learned.closed_loop().force, "load cases"),
@@ -385,7 +385,7 @@ std::string to_markdown(const Evaluation& e) {
         version);
     }
 
-    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + two_tools_markdown(e.two_tools) + map_markdown(e.map) + histories_markdown(e.histories, e.measurement.has_value()) + truth_markdown(e.truth);
+    out += broken_markdown(e) + measurement_markdown(e) + held_out_markdown(e.held_out, e.measurement.has_value(), solid) + two_tools_markdown(e.two_tools) + map_markdown(e.map) + histories_markdown(e.histories, e.measurement.has_value()) + discretisation_markdown(e.discretisation);
     out += "## Errors at the training contacts: median / p95 / max\n\n";
     if (!e.open_loop()) {
         out += "| model | indentation error of force | n of N |\n|---|---|---|\n";
@@ -420,8 +420,8 @@ std::string to_markdown(const Evaluation& e) {
         out += "\n" + shape_words(solid) + "\n";
     }
 
-    if (e.law_book)
-        return out + law_markdown(*e.energy_model, *e.law_book, e.measurement.has_value()) + law_figures(e, solid);
+    if (e.energy_model_diagnostics)
+        return out + energy_model_markdown(*e.energy_model, *e.energy_model_diagnostics, e.measurement.has_value()) + energy_model_figures(e, solid);
     out +=
         "\n## Training\n\n| optimiser | sets | iterations | restarts (sets that restarted) | ended | median loss over start at "
         "1,000 | at 5,000 | at the end | gap median / max | seconds |\n|---|---|---|---|---|---|---|---|---|---|\n";
@@ -476,7 +476,7 @@ std::string to_markdown(const Evaluation& e) {
         out += fmt::format("| {} | {:.2f} / {:.2f} | {:.2f} | {:.2f} | {} of {} | {:.2g} | {} |\n", m.name,
                            statistics_of(s.near).median, statistics_of(s.far).median,
                            statistics_of(s.magnitude_step).median, statistics_of(s.angle_step).median, s.force_falls,
-                           s.force_steps, s.smallest_eigenvalue, s.floppy_sets);
+                           s.force_steps, s.smallest_eigenvalue, s.singular_sets);
     }
     out +=
         "\nMedians of root mean squares over springs, in units of E2. The eigenvalue is that of K under its supports. Loss of "

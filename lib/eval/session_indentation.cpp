@@ -47,25 +47,25 @@ Eigen::VectorXd theta_in_use(const RealtimeMesh& mesh, const MeshState& state) {
 
 }  // namespace
 
-PressResult press(const HapticModel& model, const TissueModel& tissue, const IndentationReference& truth, double seconds_max) {
+IndentationResult indent(const HapticModel& model, const TissueModel& tissue, const IndentationReference& reference, double seconds_max) {
     constexpr double inset_m = 0.0003;    // so that a tangential displacement stays inside until the hand is corrected
     constexpr double same_contact_m = 5e-4;  // a tenth of the half width of the FE indenter's patch
     constexpr double ramp_s = 2, window_s = 0.5, settled = 1e-4;
     // Gain of the hand's correction. Through the virtual coupling it must be slower than the decay of the mesh's
     // vibration, or the correction would excite it. The tool of an energy model follows the hand without a coupling.
     const double creep_1_s = model.is_energy_model() ? 10 : 0.3;
-    PressResult result;
-    result.name = truth.name;
-    result.fe_asked = truth.force_N.has_value();
+    IndentationResult result;
+    result.name = reference.name;
+    result.fe_asked = reference.force_N.has_value();
     result.displacement_m = result.force_N = result.static_N = Point::Zero(tissue.mesh.dimension());
-    const Point inward = inward_at(tissue.mesh, truth.contact_m);
+    const Point inward = inward_at(tissue.mesh, reference.contact_m);
     const double dt = model.options.dt_s;
 
     Simulation simulation(model);
-    const Point target = truth.magnitude_m * truth.direction;
+    const Point target = reference.magnitude_m * reference.direction;
     const Point aim = model.is_energy_model() ? Point(target - inset_m * inward) : Point((1 + 1 / *model.options.coupling_ratio) * target);
-    VirtualDevice hand(press_motion(truth.contact_m, inward, aim, ramp_s, inset_m), model.options.map);
-    const bool pulls = truth.direction.dot(inward) < -1e-9;
+    VirtualDevice hand(indentation_motion(reference.contact_m, inward, aim, ramp_s, inset_m), model.options.map);
+    const bool pulls = reference.direction.dot(inward) < -1e-9;
     Point shift = Point::Zero(target.size()), last = shift;
     int still = 0;
     const int window = static_cast<int>(window_s / dt), sample = std::max(1, static_cast<int>(0.01 / dt));
@@ -81,8 +81,8 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Ind
         }
         if (k % sample == 0) {
             result.time_s.push_back(k * dt);
-            result.depth_m.push_back(r.mesh == 0 ? r.contact_displacement_m.dot(truth.direction) : 0);
-            result.curve_N.push_back(-r.coupling_N.dot(truth.direction));
+            result.depth_m.push_back(r.mesh == 0 ? r.contact_displacement_m.dot(reference.direction) : 0);
+            result.curve_N.push_back(-r.coupling_N.dot(reference.direction));
         }
         if (k % window == window - 1) {
             still = k * dt > ramp_s + window_s && r.mesh == 0 &&
@@ -114,11 +114,11 @@ PressResult press(const HapticModel& model, const TissueModel& tissue, const Ind
     result.static_N = rest.contact_force;
     result.static_error = (result.force_N - result.static_N).norm() / result.static_N.norm();
     // the FE force holds for its own contact only, not where the tool slipped to another one
-    result.off_contact_m = (touched - truth.contact_m).norm();
-    if (truth.force_N) {
-        if (result.off_contact_m < same_contact_m) result.fe_error = (result.force_N - *truth.force_N).norm() / truth.force_N->norm();
-        const auto exact = answer.at(truth.contact_m, truth.magnitude_m * truth.direction, theta);
-        result.static_fe_error = exact ? (exact.contact_force - *truth.force_N).norm() / truth.force_N->norm() : std::numeric_limits<double>::infinity();
+    result.off_contact_m = (touched - reference.contact_m).norm();
+    if (reference.force_N) {
+        if (result.off_contact_m < same_contact_m) result.fe_error = (result.force_N - *reference.force_N).norm() / reference.force_N->norm();
+        const auto exact = answer.at(reference.contact_m, reference.magnitude_m * reference.direction, theta);
+        result.static_fe_error = exact ? (exact.contact_force - *reference.force_N).norm() / reference.force_N->norm() : std::numeric_limits<double>::infinity();
     }
     return result;
 }

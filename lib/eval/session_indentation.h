@@ -18,7 +18,7 @@ struct IndentationReference {
 };
 
 /// Result of an indentation in a running simulation, at the time when the force is constant.
-struct PressResult {
+struct IndentationResult {
     std::string name;
     bool rested = false;                 ///< the force changed by less than 1e-4 of it in each of the last two 0.5 s
     std::string reason;                  ///< why there is no comparison; empty when there is one
@@ -40,7 +40,7 @@ struct PressResult {
 /// The target position of the hand allows for the stretch of the virtual coupling. The hand touches 0.3 mm inside the
 /// surface, so that a tangential displacement does not leave the tissue. Then the hand is corrected slowly until the
 /// displacement of the proxy (with an energy model: of the tool) is the reference's magnitude_m * direction.
-PressResult press(const HapticModel& model, const TissueModel& tissue, const IndentationReference& truth, double seconds_max = 30);
+IndentationResult indent(const HapticModel& model, const TissueModel& tissue, const IndentationReference& reference, double seconds_max = 30);
 
 /// Potential energy and force after a switch of spring sets at a constant master position: one jump (gamma = 1), or the
 /// moving average (19).

@@ -108,7 +108,7 @@ SpringCharacter spring_character(const TissueModel& model, const Cases& cases, c
     for (Eigen::Index c = 0; c < theta.rows(); ++c) {
         const Eigen::VectorXd eigenvalues = supported_eigenvalues(model.mesh, *law, theta.row(c));
         character.smallest_eigenvalue = std::min(character.smallest_eigenvalue, eigenvalues[0] / unit);
-        if (eigenvalues[0] < 1e-9 * eigenvalues[eigenvalues.size() - 1]) ++character.floppy_sets;
+        if (eigenvalues[0] < 1e-9 * eigenvalues[eigenvalues.size() - 1]) ++character.singular_sets;
     }
     return character;
 }

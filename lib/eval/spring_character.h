@@ -17,7 +17,7 @@ struct SpringCharacter {
     int force_steps = 0;                  ///< pairs of neighbouring magnitudes
     int force_falls = 0;                  ///< pairs where the model's force falls while the FE force rises
     double smallest_eigenvalue = 0;       ///< of K with fixed nodes, smallest over the sets; in units of E2
-    int floppy_sets = 0;                  ///< sets with zero-energy modes: an eigenvalue below 1e-9 of the largest
+    int singular_sets = 0;                  ///< sets with zero-energy modes: an eigenvalue below 1e-9 of the largest
 };
 
 /// theta [N/m]: one row for each case (C x S), or a single row for all. Eigenvalues are those of K at rest.

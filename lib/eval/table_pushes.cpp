@@ -26,7 +26,7 @@ bool is_block(const TissueModel& model) {
     for (int node = 0; node < up.size(); ++node)
         if ((up[node] - low_m < same_m) != std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node)) return false;
     if (!model.energy_model) return true;
-    const Eigen::VectorXd pressure = model.energy_model->constants.tail(mesh.support_count()).cwiseQuotient(held_areas(mesh));
+    const Eigen::VectorXd pressure = model.energy_model->constants.tail(mesh.support_count()).cwiseQuotient(fixed_areas(mesh));
     return pressure.maxCoeff() - pressure.minCoeff() < 1e-6 * pressure.maxCoeff();
 }
 

@@ -11,7 +11,7 @@
 namespace tissue {
 
 /// Two discs that indent one body at once, at drawn depths, and the force errors of each model on both discs.
-struct PressedPair {
+struct IndentationPair {
     std::string name;
     std::array<Point, 2> contact_m, push_m, fe_force_N;    ///< of the first and the second tool (3)
     double radius_m;                                       ///< of both discs
@@ -22,9 +22,9 @@ struct PressedPair {
 };
 
 /// Drawn pairs of one role (training, validation or test set).
-struct PressedPairs {
+struct IndentationPairs {
     std::string role;
-    std::vector<PressedPair> pairs;
+    std::vector<IndentationPair> pairs;
     std::vector<std::string> lost;                         ///< "name: why", pairs without an FE reference
 
     ContactStatistics statistics(std::size_t model) const; ///< over tools: two errors for each pair; `lost` pairs count
@@ -32,7 +32,7 @@ struct PressedPairs {
 
 struct TwoTools {
     std::vector<std::string> models;
-    std::vector<PressedPairs> roles;
+    std::vector<IndentationPairs> roles;
 
     bool empty() const { return roles.empty(); }
 };

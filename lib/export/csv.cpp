@@ -69,30 +69,30 @@ Files simplices_csv(const SpringMesh& mesh) {
     return {{"tetrahedra.csv", nodes_of_csv(mesh.simplices)}, {"facets.csv", nodes_of_csv(mesh.facets)}};
 }
 
-std::string terms_csv(const EnergyModel& law) {
+std::string terms_csv(const EnergyModel& energy_model) {
     std::string terms = "term,coefficient\n";
-    for (std::size_t t = 0; t < law.terms.size(); ++t)
-        terms += fmt::format("{},{}\n", field(law.terms[t]), law.coefficients[static_cast<Eigen::Index>(t)]);
+    for (std::size_t t = 0; t < energy_model.terms.size(); ++t)
+        terms += fmt::format("{},{}\n", field(energy_model.terms[t]), energy_model.coefficients[static_cast<Eigen::Index>(t)]);
     return terms;
 }
 
-std::string contact_csv(const SpringMesh& mesh, const EnergyModel& law, const std::vector<std::string>& rows) {
-    const ContactParameters& patch = law.patch;
+std::string contact_csv(const SpringMesh& mesh, const EnergyModel& energy_model, const std::vector<std::string>& rows) {
+    const ContactParameters& patch = energy_model.patch;
     std::string contact = fmt::format("row,log_k_N_m,{},{},edge\n", mesh.is_solid() ? "curved" : "phase", patch.hardens() ? "ground" : "corner");
     for (std::size_t m = 0; m < rows.size(); ++m)
         contact += fmt::format("{},{}\n", rows[m], values(patch.log_N_m.row(static_cast<Eigen::Index>(m))));
-    if (const Eigen::Vector2d& range = law.disc.curved_range; std::isfinite(range[0])) contact += fmt::format("least,,{},,\nmost,,{},,\n", range[0], range[1]);
+    if (const Eigen::Vector2d& range = energy_model.disc.curved_range; std::isfinite(range[0])) contact += fmt::format("least,,{},,\nmost,,{},,\n", range[0], range[1]);
     return contact;
 }
 
-Files pressed_csv(const TissueModel& model, const std::vector<PressedCase>& cases) {
+Files pressed_csv(const TissueModel& model, const std::vector<IndentationOfCase>& cases) {
     const int D = model.mesh.dimension();
     const bool solid = model.mesh.is_solid();
     std::string presses = "case," + columns("contact_", "_m", D) + (solid ? ",radius_m," : ",arc_m,") + columns("push_", "_m", D) + "," +
                           columns("force_", "_N", D) + ",reason\n",
                 pressed = "case,node," + columns("u_", "_m", D) + "," + columns("f_", "_N", D) + "\n";
     const std::string no_force(static_cast<std::size_t>(D - 1), ',');
-    for (const PressedCase& c : cases) {
+    for (const IndentationOfCase& c : cases) {
         const std::string name = field(model.case_names[static_cast<std::size_t>(c.load_case)]);
         const double disc_m = model.radius_of(c.load_case);
         presses += fmt::format("{},{},{}{},{},{}\n", name, values(model.contact_m.row(c.load_case)),
@@ -115,10 +115,10 @@ std::string correction_rows(double radius_m, const FacetTable& correction) {
 }
 
 /// Tables of an energy model in space only.
-Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases) {
-    const SolidLawTables tables = solid_law_tables(model);
+Files solid_csv(const TissueModel& model, const std::vector<IndentationOfCase>& cases) {
+    const SolidModelTables tables = solid_model_tables(model);
     std::vector<int> load_cases;
-    for (const PressedCase& c : cases) load_cases.push_back(c.load_case);
+    for (const IndentationOfCase& c : cases) load_cases.push_back(c.load_case);
     const ContactTable contact = contact_table(model, load_cases);
     const std::string corners = "node_000,node_100,node_010,node_110,node_001,node_101,node_011,node_111";
     std::string cells = "cell," + corners + ",at_x,at_y,at_z,rest_volume_m3,stiffness_Pa\n";
@@ -143,13 +143,13 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
     const Embedding& embedding = model.mesh.embedding;
     std::string& inside = files["embedding.csv"] = "node," + corners + ",weight_000,weight_100,weight_010,weight_110,weight_001,weight_101,weight_011,weight_111\n";
     for (int node = 0; node < embedding.node_count(); ++node) inside += fmt::format("{},{},{}\n", node, values(embedding.corner.row(node)), values(embedding.weight.row(node)));
-    const EnergyModel& law = *model.energy_model;
-    files["correction.csv"] = "radius_m,facet,weight_i,weight_j,weight_k,log_scale\n" + correction_rows(law.disc_radius_m, law.disc.correction);
-    for (std::size_t k = 0; k < law.sizes.correction.size(); ++k)
-        if (const double radius_m = law.sizes.radii_m[static_cast<Eigen::Index>(k)]; radius_m != law.disc_radius_m) files["correction.csv"] += correction_rows(radius_m, law.sizes.correction[k]);
-    if (law.contact_log_scale.size() > 0) {
+    const EnergyModel& energy_model = *model.energy_model;
+    files["correction.csv"] = "radius_m,facet,weight_i,weight_j,weight_k,log_scale\n" + correction_rows(energy_model.disc_radius_m, energy_model.disc.correction);
+    for (std::size_t k = 0; k < energy_model.sizes.correction.size(); ++k)
+        if (const double radius_m = energy_model.sizes.radii_m[static_cast<Eigen::Index>(k)]; radius_m != energy_model.disc_radius_m) files["correction.csv"] += correction_rows(radius_m, energy_model.sizes.correction[k]);
+    if (energy_model.contact_log_scale.size() > 0) {
         std::string& surface = files["surface.csv"] = "node,contact_log_scale\n";
-        for (Eigen::Index node = 0; node < law.contact_log_scale.size(); ++node) surface += fmt::format("{},{}\n", node, law.contact_log_scale[node]);
+        for (Eigen::Index node = 0; node < energy_model.contact_log_scale.size(); ++node) surface += fmt::format("{},{}\n", node, energy_model.contact_log_scale[node]);
     }
     std::string& supports = files["supports.csv"] = "node,stiffness_N_m\n";
     for (Eigen::Index m = 0; m < tables.support_N_m.size(); ++m) supports += fmt::format("{},{}\n", model.mesh.fixed[static_cast<std::size_t>(m)], tables.support_N_m[m]);
@@ -158,7 +158,7 @@ Files solid_csv(const TissueModel& model, const std::vector<PressedCase>& cases)
 
 /// Tables of an energy model in the plane only.
 Files plane_csv(const TissueModel& model) {
-    const LawTables tables = law_tables(model);
+    const EnergyModelTables tables = energy_model_tables(model);
     std::string areas = "area,kind,rest_area_m2,stiffness_N_m\n", edges = "area,node_i,node_j\n", surface = "node,arc_m,contact_log_scale\n";
     for (std::size_t e = 0; e < tables.area_kind.size(); ++e) {
         const auto i = static_cast<Eigen::Index>(e);
@@ -220,7 +220,7 @@ Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets) {
     return files;
 }
 
-Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases) {
+Files csv_files(const TissueModel& model, const std::vector<IndentationOfCase>& cases) {
     Files files = {{"nodes.csv", nodes_csv(model)}, {"terms.csv", terms_csv(*model.energy_model)}};
     files.merge(simplices_csv(model.mesh));
     files.merge(pressed_csv(model, cases));

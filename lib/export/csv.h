@@ -41,7 +41,7 @@ Files csv_files(const TissueModel& model, const std::vector<NamedSet>& sets);
 ///   contact_rows.csv       row, case, kind, stiffness, coefficients of the tool displacement
 ///   contact_pull.csv       row, node, coefficients of its displacement
 ///   contact_hardening.csv  case, hardening, saturation, coupling, in_compression
-Files csv_files(const TissueModel& model, const std::vector<PressedCase>& cases);
+Files csv_files(const TissueModel& model, const std::vector<IndentationOfCase>& cases);
 
 /// CSV tables of FE load paths.
 ///   nodes.csv      node, position

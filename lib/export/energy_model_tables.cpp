@@ -26,21 +26,21 @@ std::vector<std::array<int, 2>> outline(const Elements& kind, int e) {
 
 }  // namespace
 
-LawTables law_tables(const TissueModel& model) {
+EnergyModelTables energy_model_tables(const TissueModel& model) {
     const SpringMesh& mesh = model.mesh;
-    const EnergyModel& law = *model.energy_model;
-    const TissueEnergy energy(mesh, law);
+    const EnergyModel& energy_model = *model.energy_model;
+    const TissueEnergy energy(mesh, energy_model);
     const int S = mesh.spring_count(), areas = energy.constant_count() - S;
-    const auto regions = static_cast<int>(law.incompressible ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
+    const auto regions = static_cast<int>(energy_model.incompressible ? cell_regions(mesh, mesh_cells(mesh)).size() : 0);
     const Outline surface(mesh);
-    LawTables t;
-    t.curve = law.curve;
-    t.spring_N_m = law.constants.head(S);
-    t.area_N_m = law.constants.tail(areas);
+    EnergyModelTables t;
+    t.curve = energy_model.curve;
+    t.spring_N_m = energy_model.constants.head(S);
+    t.area_N_m = energy_model.constants.tail(areas);
     t.area_m2 = Eigen::VectorXd::Zero(areas);
     t.surface_node = surface.nodes();
     t.surface_arc_m = surface.arcs();
-    for (const int node : t.surface_node) t.surface_log_scale.push_back(law.contact_log_scale.size() > 0 ? law.contact_log_scale[node] : 0);
+    for (const int node : t.surface_node) t.surface_log_scale.push_back(energy_model.contact_log_scale.size() > 0 ? energy_model.contact_log_scale[node] : 0);
     for (int area = 0; area < areas; ++area) t.area_kind.push_back(area < areas - regions ? "cell" : "region");
     for (std::size_t k = 1; k < energy.kinds().size(); ++k)  // springs are the first
         for (int e = 0; e < energy.kinds()[k]->count(); ++e) {
@@ -55,17 +55,17 @@ LawTables law_tables(const TissueModel& model) {
     return t;
 }
 
-std::vector<PressedCase> pressed_cases(const TissueModel& model, const std::string& name) {
-    const IndentationSolver press(model);
+std::vector<IndentationOfCase> indentations_of_cases(const TissueModel& model, const std::string& name) {
+    const IndentationSolver solver(model);
     const TissueEnergy energy(model.mesh, *model.energy_model);
     std::optional<Outline> surface;
     if (!model.mesh.is_solid()) surface.emplace(model.mesh);
-    std::vector<PressedCase> cases;
+    std::vector<IndentationOfCase> cases;
     for (int c = 0; c < model.case_count(); ++c) {
         if (!name.empty() && model.case_names[static_cast<std::size_t>(c)] != name) continue;
         const Point contact_m = model.contact_m.row(c).transpose(), push_m = model.magnitude_m[c] * model.direction.row(c).transpose();
         const std::optional<double> arc_m = surface ? std::optional<double>(surface->arc_of(contact_m)) : std::nullopt;
-        const Equilibrium state = press.of(model.radius_of(c)).at(contact_m, push_m);
+        const Equilibrium state = solver.of(model.radius_of(c)).at(contact_m, push_m);
         cases.push_back({c, arc_m, push_m, state, energy.force(model.energy_model->constants, state.displacement)});
     }
     if (cases.empty())

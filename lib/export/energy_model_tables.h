@@ -13,7 +13,7 @@ namespace tissue {
 /// The first sum is over springs, with w of their force curve ((l - L)^2 / 2 for Hooke's). The second is over areas,
 /// cells first and then regions: area_e = sum over the edges (i, j) of e of (x_i y_j - x_j y_i) / 2, and a_e is area_e
 /// at rest.
-struct LawTables {
+struct EnergyModelTables {
     SpringCurve curve;
     /// of each edge: its area, first and last node, with the area on the left (K)
     std::vector<int> edge_area, edge_from, edge_to;
@@ -26,10 +26,10 @@ struct LawTables {
 };
 
 /// The tables of a model, which must have an energy model in the plane. In space: export/solid_model_tables.h.
-LawTables law_tables(const TissueModel& model);
+EnergyModelTables energy_model_tables(const TissueModel& model);
 
 /// Equilibrium of the energy model at one of its load cases, under the disc of that case.
-struct PressedCase {
+struct IndentationOfCase {
     int load_case;
     std::optional<double> arc_m;  ///< arc length of the contact along the free surface; in the plane
     Point push_m;
@@ -39,6 +39,6 @@ struct PressedCase {
 
 /// The load case called `name`, or all load cases if `name` is empty. Throws MismatchError for a name that is not in
 /// the model.
-std::vector<PressedCase> pressed_cases(const TissueModel& model, const std::string& name);
+std::vector<IndentationOfCase> indentations_of_cases(const TissueModel& model, const std::string& name);
 
 }  // namespace tissue

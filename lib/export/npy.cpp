@@ -91,29 +91,29 @@ Files curve_files(const SpringCurve& curve) {
 
 }  // namespace
 
-Files npy_files(const LawTables& law) {
+Files npy_files(const EnergyModelTables& tables) {
     std::vector<int> edges;
-    for (std::size_t k = 0; k < law.edge_area.size(); ++k)
-        edges.insert(edges.end(), {law.edge_area[k], law.edge_from[k], law.edge_to[k]});
-    const std::vector<double> area_m2(law.area_m2.begin(), law.area_m2.end());
-    const std::size_t areas = law.area_kind.size(), nodes = law.surface_node.size();
-    Files files = curve_files(law.curve);
-    files.merge(Files{{"law/area_edges.npy", header("<i4", {law.edge_area.size(), 3}) + bytes(edges)},
-            {"law/area_kind.npy", npy_texts(law.area_kind, {areas})},
+    for (std::size_t k = 0; k < tables.edge_area.size(); ++k)
+        edges.insert(edges.end(), {tables.edge_area[k], tables.edge_from[k], tables.edge_to[k]});
+    const std::vector<double> area_m2(tables.area_m2.begin(), tables.area_m2.end());
+    const std::size_t areas = tables.area_kind.size(), nodes = tables.surface_node.size();
+    Files files = curve_files(tables.curve);
+    files.merge(Files{{"law/area_edges.npy", header("<i4", {tables.edge_area.size(), 3}) + bytes(edges)},
+            {"law/area_kind.npy", npy_texts(tables.area_kind, {areas})},
             {"law/area_rest.npy", header("<f8", {areas}) + bytes(area_m2)},
-            {"law/surface_node.npy", header("<i4", {nodes}) + bytes(law.surface_node)},
-            {"law/surface_arc.npy", header("<f8", {nodes}) + bytes(law.surface_arc_m)}});
+            {"law/surface_node.npy", header("<i4", {nodes}) + bytes(tables.surface_node)},
+            {"law/surface_arc.npy", header("<f8", {nodes}) + bytes(tables.surface_arc_m)}});
     return files;
 }
 
-Files npy_files(const SolidLawTables& law, const ContactTable& contact) {
+Files npy_files(const SolidModelTables& tables, const ContactTable& contact) {
     const std::size_t R = contact.k_N_m.size(), Q = contact.pull_row.size();
     const auto numbers = [](const auto& values) { return std::vector<double>(values.data(), values.data() + values.size()); };
-    const std::vector<int> corners(law.cells.data(), law.cells.data() + law.cells.size());
-    Files files = curve_files(law.curve);
-    files.merge(Files{{"law/cells.npy", header("<i4", {static_cast<std::size_t>(law.cells.rows()), static_cast<std::size_t>(law.cells.cols())}) + bytes(corners)},
-            {"law/cell_at.npy", header("<f8", {static_cast<std::size_t>(law.at.rows()), 3}) + bytes(numbers(law.at))},
-            {"law/cell_rest.npy", header("<f8", {static_cast<std::size_t>(law.volume_m3.size())}) + bytes(numbers(law.volume_m3))},
+    const std::vector<int> corners(tables.cells.data(), tables.cells.data() + tables.cells.size());
+    Files files = curve_files(tables.curve);
+    files.merge(Files{{"law/cells.npy", header("<i4", {static_cast<std::size_t>(tables.cells.rows()), static_cast<std::size_t>(tables.cells.cols())}) + bytes(corners)},
+            {"law/cell_at.npy", header("<f8", {static_cast<std::size_t>(tables.at.rows()), 3}) + bytes(numbers(tables.at))},
+            {"law/cell_rest.npy", header("<f8", {static_cast<std::size_t>(tables.volume_m3.size())}) + bytes(numbers(tables.volume_m3))},
             {"law/contact_case.npy", header("<i4", {R}) + bytes(contact.load_case)},
             {"law/contact_kind.npy", npy_texts(contact.kind, {R})},
             {"law/contact_k.npy", header("<f8", {R}) + bytes(contact.k_N_m)},

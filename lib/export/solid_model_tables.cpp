@@ -7,11 +7,11 @@
 #include "springs/contact_errors.h"
 #include "springs/contact_spring.h"
 #include "springs/energy_model_at_radius.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 
 namespace tissue {
 
-SolidLawTables solid_law_tables(const TissueModel& model) {
+SolidModelTables solid_model_tables(const TissueModel& model) {
     const SpringMesh& mesh = model.mesh;
     const Eigen::VectorXd& constants = model.energy_model->constants;
     const CellVolumes cells(mesh);
@@ -21,7 +21,7 @@ SolidLawTables solid_law_tables(const TissueModel& model) {
 ContactTable contact_table(const TissueModel& model, const std::vector<int>& load_cases) {
     constexpr const char* kinds[] = {"normal", "tangent", "imprint_normal", "imprint_tangent"};
     struct Disc {
-        EnergyModel law;
+        EnergyModel energy_model;
         std::unique_ptr<ContactKernel> kernel;
     };
     std::map<double, Disc> discs;  // by radius

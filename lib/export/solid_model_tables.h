@@ -7,12 +7,12 @@
 
 namespace tissue {
 
-/// Energy of an energy model in space as tables, as LawTables in the plane (results/FORMATS.md):
+/// Energy of an energy model in space as tables, as EnergyModelTables in the plane (results/FORMATS.md):
 ///   W(u) = sum_s theta_s w(l_s, L_s) + sum_c A_c V_c (J_c(u) - 1)^2 / 2 + sum_m k_m |u_m|^2 / 2
 /// The sums are over springs, cells and supports. J_c is the determinant of the deformation gradient of the cell's
 /// trilinear map at `at`; along each axis the gradient is the mean of the cell's four edges with bilinear weights. A
 /// support fixes a node of an embedded solid elastically; u_m is interpolated from the corners of a cell.
-struct SolidLawTables {
+struct SolidModelTables {
     SpringCurve curve;           ///< of w
     Eigen::VectorXd spring_N_m;  ///< theta_s
     Cells cells;                 ///< corner numbers in binary: 1 along x, 2 along y, 4 along z (C x 8)
@@ -40,7 +40,7 @@ struct ContactTable {
 };
 
 /// The tables of a model, which must have an energy model in space.
-SolidLawTables solid_law_tables(const TissueModel& model);
+SolidModelTables solid_model_tables(const TissueModel& model);
 
 /// Contact rows of load cases of such a model, each under its own disc. A case without tissue of the lattice near its
 /// contact has no rows. Throws MismatchError for a disc outside the range of the model's (energy_model_at_radius).

@@ -87,25 +87,25 @@ std::string word(std::size_t value) {
 
 }  // namespace
 
-std::string surface_vtp(const PressedSurface& press) {
-    const CarriedSurface& s = press.surface;
+std::string surface_vtp(const IndentedSurface& indented) {
+    const CarriedSurface& s = indented.surface;
     std::string ends;
     for (Eigen::Index f = 1; f <= s.facets.rows(); ++f) ends += fmt::format("{} ", 3 * f);
     return fmt::format(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n{}{}{}</FieldData>\n"
         "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n"
         "<PointData Vectors=\"displacement_m\">\n{}{}</PointData>\n<Points>\n{}</Points>\n<Polys>\n{}{}</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n",
-        tuple("contact_m", press.contact_m), tuple("push_m", press.push_m), tuple("force_N", press.force_N), s.vertices.rows(), s.facets.rows(),
-        array("Float64", "rest_m", 3, numbers(s.vertices)), array("Float64", "displacement_m", 3, numbers((press.places - s.vertices).eval())),
-        array("Float64", "Points", 3, numbers(press.places)), array("Int64", "connectivity", 1, numbers(s.facets)), array("Int64", "offsets", 1, ends + "\n"));
+        tuple("contact_m", indented.contact_m), tuple("push_m", indented.push_m), tuple("force_N", indented.force_N), s.vertices.rows(), s.facets.rows(),
+        array("Float64", "rest_m", 3, numbers(s.vertices)), array("Float64", "displacement_m", 3, numbers((indented.places - s.vertices).eval())),
+        array("Float64", "Points", 3, numbers(indented.places)), array("Int64", "connectivity", 1, numbers(s.facets)), array("Int64", "offsets", 1, ends + "\n"));
 }
 
-std::string surface_glb(const PressedSurface& press) {
-    const CarriedSurface& s = press.surface;
-    const NodeField at_rest = vertex_normals(s.vertices, s.facets), pressed = vertex_normals(press.places, s.facets);
+std::string surface_glb(const IndentedSurface& indented) {
+    const CarriedSurface& s = indented.surface;
+    const NodeField at_rest = vertex_normals(s.vertices, s.facets), pressed = vertex_normals(indented.places, s.facets);
     Buffer buffer;
     Json primitive = {{"attributes", {{"POSITION", buffer.add(s.vertices, true)}, {"NORMAL", buffer.add(at_rest, false)}}}, {"indices", buffer.add(s.facets)}, {"material", 0}};
-    primitive["targets"] = Json::array({{{"POSITION", buffer.add(press.places - s.vertices, true)}, {"NORMAL", buffer.add(pressed - at_rest, false)}}});
+    primitive["targets"] = Json::array({{{"POSITION", buffer.add(indented.places - s.vertices, true)}, {"NORMAL", buffer.add(pressed - at_rest, false)}}});
     // two accessors with the same values, because an accessor has one use
     const int time_s = buffer.add(std::vector<float>{0, 1}), weight = buffer.add(std::vector<float>{0, 1});
     const Json sampler = {{"input", time_s}, {"output", weight}, {"interpolation", "LINEAR"}};
@@ -114,11 +114,11 @@ std::string surface_glb(const PressedSurface& press) {
         {"asset", {{"version", "2.0"}, {"generator", std::string("tissuectl ") + version}}},
         {"scene", 0},
         {"scenes", Json::array({{{"nodes", {0}}}})},
-        {"nodes", Json::array({{{"name", press.name},
+        {"nodes", Json::array({{{"name", indented.name},
                                 {"mesh", 0},
                                 {"rotation", {-half, 0, 0, half}},
-                                {"extras", {{"case", press.name}, {"contact_m", list(press.contact_m)}, {"push_m", list(press.push_m)}, {"force_N", list(press.force_N)}}}}})},
-        {"meshes", Json::array({{{"name", press.name}, {"primitives", Json::array({primitive})}, {"weights", {0}}, {"extras", {{"targetNames", {"pressed"}}}}}})},
+                                {"extras", {{"case", indented.name}, {"contact_m", list(indented.contact_m)}, {"push_m", list(indented.push_m)}, {"force_N", list(indented.force_N)}}}}})},
+        {"meshes", Json::array({{{"name", indented.name}, {"primitives", Json::array({primitive})}, {"weights", {0}}, {"extras", {{"targetNames", {"pressed"}}}}}})},
         {"materials", Json::array({{{"pbrMetallicRoughness", {{"baseColorFactor", {0.72, 0.36, 0.32, 1.0}}, {"metallicFactor", 0}, {"roughnessFactor", 0.6}}}, {"doubleSided", true}}})},
         {"animations", Json::array({{{"name", "press"}, {"samplers", Json::array({sampler})}, {"channels", Json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}})}}})},
         {"accessors", buffer.accessors},

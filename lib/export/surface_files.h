@@ -7,7 +7,7 @@
 namespace tissue {
 
 /// One indentation, for programs that draw: the surface at rest and displaced, as it is drawn (springs/skin.h).
-struct PressedSurface {
+struct IndentedSurface {
     const CarriedSurface& surface;
     std::string name;        ///< of the load case
     NodeField places;        ///< vertex positions under indentation [m] (V x 3)
@@ -18,12 +18,12 @@ struct PressedSurface {
 /// VTK polygonal data (XML, double precision) of the displaced surface.
 ///   points  rest_m, displacement_m (V x 3)
 ///   field   contact_m, push_m, force_N (3)
-std::string surface_vtp(const PressedSurface& press);
+std::string surface_vtp(const IndentedSurface& indented);
 
 /// A binary glTF 2.0 file: one mesh at rest with normals, in metres; a morph target `pressed`; an animation of 1 s from
 /// rest to it. In glTF y points up, so the node rotates z to y. Its `extras` are `case`, and contact_m, push_m and
 /// force_N along the tissue's own axes.
 /// Source: Khronos Group, glTF 2.0 Specification (2021), 3.6, 3.7.2.2, 3.11, 4.4.
-std::string surface_glb(const PressedSurface& press);
+std::string surface_glb(const IndentedSurface& indented);
 
 }  // namespace tissue

@@ -220,7 +220,7 @@ std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& 
     return mesh_vtu(model, set.theta, displacement, force);
 }
 
-std::string pressed_vtu(const TissueModel& model, const PressedCase& pressed) {
+std::string pressed_vtu(const TissueModel& model, const IndentationOfCase& pressed) {
     const NodeField rest = NodeField::Zero(model.mesh.node_count(), model.mesh.dimension());
     const Eigen::VectorXd& constants = model.energy_model->constants;
     const Eigen::Index S = model.mesh.spring_count();

@@ -28,6 +28,6 @@ std::string set_vtu(const TissueModel& model, const NamedSet& set, std::string& 
 /// The same for an energy model at one of its load cases; at rest where there is no equilibrium. The displacement is
 /// the lattice's own, without the skin at a disc (springs/skin.h). In space the hexahedra of the lattice follow the
 /// springs, with stiffness_Pa. An array is 0 at cells to which it does not apply.
-std::string pressed_vtu(const TissueModel& model, const PressedCase& pressed);
+std::string pressed_vtu(const TissueModel& model, const IndentationOfCase& pressed);
 
 }  // namespace tissue

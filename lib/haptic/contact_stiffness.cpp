@@ -36,7 +36,7 @@ ContactStiffness::ContactStiffness(const RealtimeMesh& mesh, const std::vector<i
             if (!definite) {
                 first_[b] = mesh.fixed(nodes[0]) ? 0 : stand_in;
                 second_[b] = mesh.fixed(nodes[1]) ? 0 : stand_in;
-                ++floppy_;
+                ++without_stiffness_;
                 continue;
             }
             for (int end : {0, 1}) {

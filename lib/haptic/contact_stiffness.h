@@ -25,13 +25,13 @@ class ContactStiffness {
 
     /// Number of segments of the outline without a stiffness of their own, which have that of the mean spring instead:
     /// the stiffness matrix of their set is singular (zero-energy modes), or it is too large to factor (256 MB).
-    int floppy() const { return floppy_; }
+    int without_stiffness() const { return without_stiffness_; }
 
    private:
     /// Compliance of each segment: coefficients of w0^2, w1^2 and w0 w1, of the weights of its ends [m/N] (M).
     std::vector<double> first_, second_, mixed_;
     double largest_ = 0;
-    int floppy_ = 0;
+    int without_stiffness_ = 0;
 };
 
 }  // namespace tissue

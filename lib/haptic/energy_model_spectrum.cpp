@@ -9,29 +9,29 @@
 #include "error.h"
 #include "haptic/spectrum.h"
 #include "mesh/free_surface.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 #include "springs/equilibrium_solver.h"
 
 namespace tissue {
 namespace {
 
 /// A contact, and the directions of indentation there (unit vectors).
-struct PressedPlace {
+struct IndentationPlace {
     ContactSpring contact;
     std::vector<Point> ways;
 };
 
 /// In the plane: the corners and eight more places, straight in and 45 degrees to either side.
-std::vector<PressedPlace> places_along(const ContactSurface& surface, const ContactParameters& law) {
+std::vector<IndentationPlace> places_along(const ContactSurface& surface, const ContactParameters& contact_parameters) {
     constexpr int evenly = 8;
     constexpr double slant = 0.7853981633974483;
     const Outline& outline = surface.outline();
     std::vector<double> arcs = outline.corners();
     for (int k = 0; k < evenly; ++k) arcs.push_back((k + 0.5) / evenly * outline.length());
-    std::vector<PressedPlace> places;
+    std::vector<IndentationPlace> places;
     for (double arc : arcs) {
         const ContactPatch patch = surface.at(arc);
-        places.push_back({ContactSpring(PatchSpring(patch, law.at(patch))), {}});
+        places.push_back({ContactSpring(PatchSpring(patch, contact_parameters.at(patch))), {}});
         for (double angle : {-slant, 0.0, slant}) places.back().ways.push_back(outline.direction(arc, angle));
     }
     return places;
@@ -51,17 +51,17 @@ double swing(const RealtimeMesh& springs, const ContactSpring& contact) {
 
 /// In space: first the place with the largest swing(), then those farthest from all places before; straight in and 30
 /// degrees off.
-std::vector<PressedPlace> places_over(const SpringMesh& mesh, const RealtimeMesh& springs, const ContactKernel& kernel, const ContactParameters& law) {
+std::vector<IndentationPlace> places_over(const SpringMesh& mesh, const RealtimeMesh& springs, const ContactKernel& kernel, const ContactParameters& contact_parameters) {
     const std::size_t few = mesh.node_count() - mesh.embedding.node_count() > 1500 ? 1 : 4;
     constexpr double slant = 0.5235987755982988;
     const FreeSurface surface(mesh);
     const std::vector<Point> points = surface.points(2);
     std::vector<double> away(points.size(), std::numeric_limits<double>::infinity());
-    std::vector<PressedPlace> places;
+    std::vector<IndentationPlace> places;
     std::size_t next = 0;
     double fastest = 0;
     for (std::size_t k = 0; k < points.size(); ++k) {
-        const double here = swing(springs, ContactSpring(kernel.rows_at(points[k]), law));
+        const double here = swing(springs, ContactSpring(kernel.rows_at(points[k]), contact_parameters));
         if (here > fastest) {
             fastest = here;
             next = k;
@@ -71,7 +71,7 @@ std::vector<PressedPlace> places_over(const SpringMesh& mesh, const RealtimeMesh
         const FreeSurface::Place at = surface.nearest(points[next]);
         const Eigen::Vector3d inward = at.inward;
         const Eigen::Vector3d along = inward.unitOrthogonal();
-        places.push_back({ContactSpring(kernel.rows_at(at.point_m), law), {inward, std::cos(slant) * inward + std::sin(slant) * along}});
+        places.push_back({ContactSpring(kernel.rows_at(at.point_m), contact_parameters), {inward, std::cos(slant) * inward + std::sin(slant) * along}});
         for (std::size_t k = 0; k < points.size(); ++k) away[k] = std::min(away[k], (points[k] - points[next]).norm());
         next = static_cast<std::size_t>(std::max_element(away.begin(), away.end()) - away.begin());
     }
@@ -101,10 +101,10 @@ Eigen::SparseMatrix<double> pressed(const TissueEnergy& energy, const Eigen::Vec
 
 EnergyModelSpectrum energy_model_spectrum(const TissueModel& model, const RealtimeMesh& springs, int tools) {
     if (!model.energy_model) throw MismatchError("the model is not an energy model");
-    const EnergyModel& law = *model.energy_model;
-    const TissueEnergy energy(model.mesh, law);
-    const auto kernel = make_contact_kernel(model.mesh, law);
-    const Eigen::SparseMatrix<double> at_rest = energy.tangent(law.constants, NodeField::Zero(model.mesh.node_count(), model.mesh.dimension()));
+    const EnergyModel& energy_model = *model.energy_model;
+    const TissueEnergy energy(model.mesh, energy_model);
+    const auto kernel = make_contact_kernel(model.mesh, energy_model);
+    const Eigen::SparseMatrix<double> at_rest = energy.tangent(energy_model.constants, NodeField::Zero(model.mesh.node_count(), model.mesh.dimension()));
     EnergyModelSpectrum spectrum{smallest_eigenvalue(springs, at_rest), largest_eigenvalue(springs, at_rest), 0, 0};
 
     const double depth_m = model.deepest_m();
@@ -114,16 +114,16 @@ EnergyModelSpectrum energy_model_spectrum(const TissueModel& model, const Realti
     EquilibriumState untouched;
     untouched.displacement = NodeField::Zero(model.mesh.node_count(), model.mesh.dimension());
     untouched.push_m = Point::Zero(model.mesh.dimension());
-    for (const PressedPlace& place : model.mesh.is_solid() ? places_over(model.mesh, springs, *kernel, law.patch)
-                                                    : places_along(static_cast<const ContactSurface&>(*kernel), law.patch)) {
+    for (const IndentationPlace& place : model.mesh.is_solid() ? places_over(model.mesh, springs, *kernel, energy_model.patch)
+                                                    : places_along(static_cast<const ContactSurface&>(*kernel), energy_model.patch)) {
         const auto take = [&](const EquilibriumState& at) {
-            const double here = largest_eigenvalue(springs, pressed(energy, law.constants, place.contact, at, tools));
+            const double here = largest_eigenvalue(springs, pressed(energy, energy_model.constants, place.contact, at, tools));
             if (here > spectrum.largest || std::isnan(here)) spectrum.largest = here;  // std::max would drop NaN
         };
         take(untouched);
         spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, untouched));
         for (const Point& way : place.ways) {
-            const EquilibriumState state = solver.press(law.constants, place.contact, depth_m * way);
+            const EquilibriumState state = solver.indent(energy_model.constants, place.contact, depth_m * way);
             if (state.push_m.norm() == 0) continue;  // no equilibrium at the first load step
             spectrum.contact_N_m = std::max(spectrum.contact_N_m, at_once(place.contact, state));
             take(state);

@@ -21,7 +21,7 @@
 namespace tissue {
 namespace {
 
-constexpr double elastic_law_damping_ratio = 0.17, relaxing_damping_ratio = 0.01;
+constexpr double elastic_damping_ratio = 0.17, relaxing_damping_ratio = 0.01;
 constexpr double usual_innovation = 0.05, usual_coupling_ratio = 10;
 constexpr double turn = 2 * 3.14159265358979323846;
 
@@ -42,10 +42,10 @@ std::unique_ptr<HapticMesh> make_mesh(const std::string& name, const TissueModel
 double ball_m(const ToolChoice& tool) { return tool.shape == ToolChoice::Shape::ball ? tool.radius_m : 0; }
 
 /// Makes a mesh of an energy model. tool: the first of the session.
-std::unique_ptr<HapticMesh> make_law_mesh(const std::string& name, const TissueModel& model, const Point& place_m, const ToolChoice& tool) {
+std::unique_ptr<HapticMesh> make_energy_model_mesh(const std::string& name, const TissueModel& model, const Point& place_m, const ToolChoice& tool) {
     const NodeField theta = model.energy_model->constants.head(model.mesh.spring_count()).transpose();
     auto mesh = make_mesh(name, model, model.energy_model->curve, theta, place_m, mass_with_supports(model));
-    mesh->law = std::make_unique<RealtimeEnergyModel>(model, mesh->springs, ball_m(tool));
+    mesh->energy_model = std::make_unique<RealtimeEnergyModel>(model, mesh->springs, ball_m(tool));
     return mesh;
 }
 
@@ -70,7 +70,7 @@ double lead_of(const HapticMesh& mesh, double dt_s) {
 
 /// Chooses the time integration of an energy model and its damping, from the spectrum of the instantaneous stiffness.
 /// of_tool: the model with each tool, or with the one of all tools.
-void choose_law_dynamics(const std::vector<TissueModel>& of_tool, const ToolChoices& tools, HapticMesh& mesh, const HapticOptions& o) {
+void choose_energy_model_dynamics(const std::vector<TissueModel>& of_tool, const ToolChoices& tools, HapticMesh& mesh, const HapticOptions& o) {
     EnergyModelSpectrum spectrum{};
     for (std::size_t k = 0; k < of_tool.size(); ++k) {
         const EnergyModelSpectrum own = energy_model_spectrum(of_tool[k], mesh.springs, o.tools);
@@ -92,7 +92,7 @@ void choose_law_dynamics(const std::vector<TissueModel>& of_tool, const ToolChoi
     mesh.contact_damping_s = energy_model_contact_damping_s(o.stiffest * spectrum.largest, o.dt_s, mesh.substeps);
     mesh.lead = lead_of(mesh, o.dt_s);
     // made to check the options: it throws where they do not fit
-    make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s / mesh.substeps, mesh.damping_1_s, mesh.law.get()});
+    make_dynamics(mesh.dynamics, mesh.springs, {o.dt_s / mesh.substeps, mesh.damping_1_s, mesh.energy_model.get()});
 }
 
 /// The same for spring sets. coupling_N_m: k_C at the stiffest place of the outline.
@@ -191,12 +191,12 @@ std::uint64_t fingerprint_of(const HapticModel& model, const std::vector<TissueM
             const double of_curve[] = {curve->q(), curve->shorter().stretch, curve->longer().stretch};
             add(of_curve, sizeof of_curve);
         }
-        if (!mesh->law) continue;
-        add_array(mesh->law->stiffness().constants);
-        add_array(mesh->law->stiffness().patch.log_N_m);
-        add_array(mesh->law->relaxation().tau_s);
-        add_array(mesh->law->relaxation().share);
-        add_array(mesh->law->relaxation().contact_share);
+        if (!mesh->energy_model) continue;
+        add_array(mesh->energy_model->stiffness().constants);
+        add_array(mesh->energy_model->stiffness().patch.log_N_m);
+        add_array(mesh->energy_model->relaxation().tau_s);
+        add_array(mesh->energy_model->relaxation().share);
+        add_array(mesh->energy_model->relaxation().contact_share);
     }
     for (std::size_t k = 0; k < of_tool.size(); ++k) {  // what contacts depend on besides patch.log_N_m of the first tool
         const TissueModel& tissue = of_tool[k];
@@ -234,9 +234,9 @@ std::vector<TissueModel> with_tools(const TissueModel& model, const HapticOption
 ToolChoices tools_of(const std::vector<TissueModel>& of_tool, const HapticOptions& o) {
     ToolChoices tools;
     for (int k = 0; k < o.tools; ++k) {
-        const auto& law = of_tool[std::min(static_cast<std::size_t>(k), of_tool.size() - 1)].energy_model;
+        const auto& energy_model = of_tool[std::min(static_cast<std::size_t>(k), of_tool.size() - 1)].energy_model;
         tools.push_back(choice_of(o.tool, static_cast<std::size_t>(k)));
-        if (tools.back().radius_m == 0 && law) tools.back().radius_m = law->disc_radius_m;
+        if (tools.back().radius_m == 0 && energy_model) tools.back().radius_m = energy_model->disc_radius_m;
     }
     return tools;
 }
@@ -260,7 +260,7 @@ HapticModel::HapticModel(const std::vector<TissueModel>& of_tool, const HapticOp
     if (!model.mesh.nodes.allFinite()) throw MismatchError("positions of nodes must be finite");
     HapticOptions& o = options;
     const bool damping_asked = o.damping_ratio.has_value();
-    if (!o.damping_ratio) o.damping_ratio = !model.energy_model ? 0.05 : model.energy_model->relaxation.empty() ? elastic_law_damping_ratio : relaxing_damping_ratio;
+    if (!o.damping_ratio) o.damping_ratio = !model.energy_model ? 0.05 : model.energy_model->relaxation.empty() ? elastic_damping_ratio : relaxing_damping_ratio;
     if (!o.innovation) o.innovation = usual_innovation;
     if (!o.coupling_ratio) o.coupling_ratio = usual_coupling_ratio;
     o.map.fit(model.mesh.dimension());
@@ -276,8 +276,8 @@ HapticModel::HapticModel(const std::vector<TissueModel>& of_tool, const HapticOp
         if (o.select_by != SelectBy::displacement) throw MismatchError("select-by: an energy model has no spring sets to select by force");
         if (given.innovation) throw MismatchError("innovation: an energy model has no spring sets to average");
         set_names.clear();
-        meshes.push_back(make_law_mesh("learned", model, Point::Zero(dimension()), tools[0]));
-        for (std::size_t k = 1; k < of_tool.size(); ++k) meshes[0]->law->add_tool(model.mesh, *of_tool[k].energy_model, ball_m(tools[k]));
+        meshes.push_back(make_energy_model_mesh("learned", model, Point::Zero(dimension()), tools[0]));
+        for (std::size_t k = 1; k < of_tool.size(); ++k) meshes[0]->energy_model->add_tool(model.mesh, *of_tool[k].energy_model, ball_m(tools[k]));
     } else {
         const NodeField& theta = sets_of(model, o.sets);
         if (o.sets.empty()) o.sets = model.trained.front().optimizer;
@@ -288,19 +288,19 @@ HapticModel::HapticModel(const std::vector<TissueModel>& of_tool, const HapticOp
     Point beside = Point::Zero(dimension());
     beside[0] = o.place_m;
     if (o.heuristic_mesh && is_solid())
-        meshes.push_back(make_law_mesh("heuristic", untrained(model), beside, tools[0]));
+        meshes.push_back(make_energy_model_mesh("heuristic", untrained(model), beside, tools[0]));
     else if (o.heuristic_mesh)  // of the instantaneous E, since spring sets do not relax
         meshes.push_back(make_mesh("heuristic", model, model.law, model.heuristic_a.transpose(), beside, model.node_mass_kg));
-    const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->law; });
+    const auto springs = std::find_if(meshes.begin(), meshes.end(), [](const auto& mesh) { return !mesh->energy_model; });
     if (springs == meshes.end() && given.coupling_ratio) throw MismatchError("coupling: no mesh of this session has spring sets; leave the option out");
     if (o.energy_book && (!is_energy_model() || model.energy_model->relaxation.empty())) throw MismatchError("energy-book: the model does not relax and has no Maxwell branches");
     if (springs != meshes.end())
         stiffness = std::make_unique<ContactStiffness>((*springs)->springs, first_set, (*springs)->theta_of_set);
     for (auto& mesh : meshes) {
-        if (mesh->law)
-            choose_law_dynamics(mesh->name == "learned" ? of_tool : std::vector<TissueModel>{untrained(model)}, tools, *mesh, o);
+        if (mesh->energy_model)
+            choose_energy_model_dynamics(mesh->name == "learned" ? of_tool : std::vector<TissueModel>{untrained(model)}, tools, *mesh, o);
         else
-            choose_dynamics(*mesh, o, damping_asked || !model.energy_model ? *o.damping_ratio : elastic_law_damping_ratio, *o.coupling_ratio * stiffness->largest());
+            choose_dynamics(*mesh, o, damping_asked || !model.energy_model ? *o.damping_ratio : elastic_damping_ratio, *o.coupling_ratio * stiffness->largest());
         check_device(o.device, o.map, o.dt_s, *mesh);
     }
     fingerprint = fingerprint_of(*this, of_tool);

@@ -15,12 +15,12 @@
 namespace tissue {
 namespace {
 
-const RealtimeEnergyModel& law_of(const HapticModel& model) {
+const RealtimeEnergyModel& energy_model_of(const HapticModel& model) {
     if (!model.is_energy_model()) throw MismatchError("only an energy model can learn in a session; this model has spring sets");
-    return *model.meshes.front()->law;
+    return *model.meshes.front()->energy_model;
 }
 
-EnergyModelStiffness stiffness_of(const EnergyModel& law) { return {law.constants, law.patch, law.contact_log_scale}; }
+EnergyModelStiffness stiffness_of(const EnergyModel& energy_model) { return {energy_model.constants, energy_model.patch, energy_model.contact_log_scale}; }
 
 /// Moves `now` towards `goal` by at most `most`. Returns true when it has reached the goal.
 bool step_towards(double& now, double goal, double most) noexcept {
@@ -49,15 +49,15 @@ HapticOptions live_options(HapticOptions options, const Adaptation& adaptation) 
 }
 
 Learner::Learner(const HapticModel& model, Adaptation& adaptation, const LearnerOptions& options)
-    : model_(model), adaptation_(adaptation), options_(options), now_(law_of(model).stiffness()), readings_to_learn_(64),
+    : model_(model), adaptation_(adaptation), options_(options), now_(energy_model_of(model).stiffness()), readings_to_learn_(64),
       learned_({now_, 0}) {
     if (!all_default(model.options.tool)) throw MismatchError("a model learns only with its own disc, not with another tool");
-    const EnergyModel law = adaptation.law();
-    if (law.constants.size() != now_.constants.size() || law.patch.log_N_m.rows() != now_.patch.log_N_m.rows())
+    const EnergyModel energy_model = adaptation.energy_model();
+    if (energy_model.constants.size() != now_.constants.size() || energy_model.patch.log_N_m.rows() != now_.patch.log_N_m.rows())
         throw MismatchError("the adaptation belongs to a model other than the session's");
     if (adaptation.largest() > std::log(model.options.stiffest) + 1e-12)
         throw MismatchError(fmt::format("the adaptation permits a stiffness factor of {:g}, and the session's time steps are stable up to {:g}", std::exp(adaptation.largest()), model.options.stiffest));
-    relaxes_ = !law.relaxation.empty();
+    relaxes_ = !energy_model.relaxation.empty();
     const Point nothing = Point::Zero(model.dimension());
     held_m_ = sum_measured_N_ = sum_model_N_ = sum_push_m_ = nothing;
     publish();
@@ -68,7 +68,7 @@ Learner::~Learner() { stop(); }
 
 /// Passes the adapted energy model to the tick.
 void Learner::publish() {
-    learned_.back() = {stiffness_of(adaptation_.law()), adaptation_.state().learned};
+    learned_.back() = {stiffness_of(adaptation_.energy_model()), adaptation_.state().learned};
     learned_.publish();
 }
 
@@ -81,16 +81,16 @@ bool Learner::before(Simulation& simulation) {
     if (learned_.fetch() || std::exchange(restores_, simulation.restores()) != simulation.restores()) arrived_ = false;
     moves_ = !arrived_;
     if (arrived_) return true;
-    RealtimeEnergyModel& law = *simulation.law();
+    RealtimeEnergyModel& energy_model = *simulation.energy_model();
     const EnergyModelStiffness& goal = learned_.front().stiffness;
-    now_ = law.stiffness();
+    now_ = energy_model.stiffness();
     arrived_ = true;
     for (Eigen::Index c = 0; c < now_.constants.size(); ++c) arrived_ &= step_towards(now_.constants[c], goal.constants[c], options_.step * now_.constants[c]);
     for (Eigen::Index n = 0; n < now_.contact_log_scale.size(); ++n) arrived_ &= step_towards(now_.contact_log_scale[n], goal.contact_log_scale[n], options_.step);
     auto patch = now_.patch.log_N_m.reshaped();
     const auto patch_goal = goal.patch.log_N_m.reshaped();
     for (Eigen::Index i = 0; i < patch.size(); ++i) arrived_ &= step_towards(patch[i], patch_goal[i], options_.step);
-    law.become(now_);
+    energy_model.become(now_);
     simulation.energy_model_changed();
     return true;
 }

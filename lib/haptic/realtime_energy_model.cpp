@@ -16,7 +16,7 @@ namespace {
 
 constexpr int chunk = kernel::cells_at_once;
 
-const EnergyModel& law_of(const TissueModel& model) {
+const EnergyModel& energy_model_of(const TissueModel& model) {
     if (!model.energy_model) throw MismatchError("the model is not an energy model");
     return *model.energy_model;
 }
@@ -24,15 +24,15 @@ const EnergyModel& law_of(const TissueModel& model) {
 }  // namespace
 
 RealtimeEnergyModel::RealtimeEnergyModel(const TissueModel& model, const RealtimeMesh& springs, double ball_m) : springs_(springs) {
-    const EnergyModel& law = law_of(model);
-    contacts_.emplace_back(model.mesh, law, ball_m);
+    const EnergyModel& energy_model = energy_model_of(model);
+    contacts_.emplace_back(model.mesh, energy_model, ball_m);
     if (!springs.law().curve()) throw MismatchError(fmt::format("springs of an energy model must be geometric, not {}", springs.law().name()));
-    if (!(*springs.law().curve() == law.curve)) throw MismatchError("the mesh and the energy model have different spring curves");
-    const TissueEnergy energy(model.mesh, law);
-    now_ = {law.constants, law.patch, law.contact_log_scale.size() > 0 ? law.contact_log_scale : Eigen::VectorXd::Zero(model.mesh.node_count())};
+    if (!(*springs.law().curve() == energy_model.curve)) throw MismatchError("the mesh and the energy model have different spring curves");
+    const TissueEnergy energy(model.mesh, energy_model);
+    now_ = {energy_model.constants, energy_model.patch, energy_model.contact_log_scale.size() > 0 ? energy_model.contact_log_scale : Eigen::VectorXd::Zero(model.mesh.node_count())};
     contacts_.front().scale(now_.contact_log_scale);
 
-    theta_ = springs.to_slots(law.constants.head(energy.kinds().front()->count()));
+    theta_ = springs.to_slots(energy_model.constants.head(energy.kinds().front()->count()));
     spring_of_slot_.assign(static_cast<std::size_t>(springs.slot_count()), -1);
     for (std::size_t s = 0; s < springs.slot_of_spring().size(); ++s) spring_of_slot_[static_cast<std::size_t>(springs.slot_of_spring()[s])] = static_cast<Eigen::Index>(s);
     if (model.mesh.is_solid()) {
@@ -48,16 +48,16 @@ RealtimeEnergyModel::RealtimeEnergyModel(const TissueModel& model, const Realtim
             supports_.begin.push_back(static_cast<int>(supports_.corner.size()));
         }
         supports_.first_constant = energy.first_of(2);
-        const auto k = law.constants.tail(energy.kinds()[2]->count());
+        const auto k = energy_model.constants.tail(energy.kinds()[2]->count());
         supports_.gain.assign(k.begin(), k.end());
     } else {
         for (std::size_t k = 1; k < energy.kinds().size(); ++k) {
             const Elements& kind = *energy.kinds()[k];
-            add_plane_cells(kind, law.constants.segment(energy.first_of(k), kind.count()), energy.first_of(k));
+            add_plane_cells(kind, energy_model.constants.segment(energy.first_of(k), kind.count()), energy.first_of(k));
         }
     }
-    relaxation_ = law.relaxation;
-    if (!relaxation_.empty() && (relaxation_.share.rows() != law.constants.size() || relaxation_.share.cols() != relaxation_.branches() ||
+    relaxation_ = energy_model.relaxation;
+    if (!relaxation_.empty() && (relaxation_.share.rows() != energy_model.constants.size() || relaxation_.share.cols() != relaxation_.branches() ||
                                  relaxation_.contact_share.size() != relaxation_.branches()))
         throw MismatchError("the relative moduli of the energy model do not match its constants");
     first_square_ = springs.slot_count();
@@ -92,8 +92,8 @@ void RealtimeEnergyModel::become(const EnergyModelStiffness& stiffness) noexcept
     contacts_become();
 }
 
-void RealtimeEnergyModel::add_tool(const SpringMesh& mesh, const EnergyModel& law, double ball_m) {
-    contacts_.emplace_back(mesh, law, ball_m);
+void RealtimeEnergyModel::add_tool(const SpringMesh& mesh, const EnergyModel& energy_model, double ball_m) {
+    contacts_.emplace_back(mesh, energy_model, ball_m);
     contacts_.back().scale(now_.contact_log_scale);
 }
 

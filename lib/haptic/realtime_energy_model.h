@@ -73,9 +73,9 @@ class RealtimeEnergyModel {
     /// Energies of the branches, with the present constants. 0 for a memory without an energy log (BranchMemory::book).
     BranchEnergies branches(const BranchMemory& memory) const;
 
-    /// Adds a tool with other contacts than the first: those of `law`, whose springs, cells and supports are the model's
+    /// Adds a tool with other contacts than the first: those of `energy_model`, whose springs, cells and supports are the model's
     /// own. The arguments are as for ToolContact.
-    void add_tool(const SpringMesh& mesh, const EnergyModel& law, double ball_m);
+    void add_tool(const SpringMesh& mesh, const EnergyModel& energy_model, double ball_m);
     /// Contacts of a tool of the session; those of the first tool where no other was added.
     const ToolContact& contacts(int tool = 0) const noexcept { return contacts_[std::min(static_cast<std::size_t>(tool), contacts_.size() - 1)]; }
 

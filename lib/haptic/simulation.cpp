@@ -31,17 +31,17 @@ constexpr int most_periods = 16;  ///< largest number of dt that a mesh advances
 Simulation::Simulation(const HapticModel& model) : model_(model), due_s_(model.meshes.size(), 0.0), spare_s_(due_s_), period_s_(model.options.dt_s) {
     std::vector<ToolMemory> tool_memory;
     for (const auto& mesh : model.meshes) {
-        energy_models_.push_back(mesh->law ? std::make_unique<RealtimeEnergyModel>(*mesh->law) : nullptr);
+        energy_models_.push_back(mesh->energy_model ? std::make_unique<RealtimeEnergyModel>(*mesh->energy_model) : nullptr);
         states_.emplace_back(mesh->springs, mesh->theta_of_set.col(0));
         surfaces_.push_back(make_moving_surface(model.rest));
         dynamics_.push_back(make_dynamics(mesh->dynamics, mesh->springs,
                                           {model.options.dt_s / mesh->substeps, mesh->damping_1_s, energy_models_.back().get()}));
         tool_memory.emplace_back();
-        if (!mesh->law) continue;
+        if (!mesh->energy_model) continue;
         const double step_s = model.options.dt_s / mesh->substeps;
-        states_.back().memory = mesh->law->memory(step_s);
+        states_.back().memory = mesh->energy_model->memory(step_s);
         if (model.options.energy_book) states_.back().memory.book();
-        tool_memory.back() = mesh->law->tool_memory(step_s);
+        tool_memory.back() = mesh->energy_model->tool_memory(step_s);
     }
     tools_.assign(static_cast<std::size_t>(model.options.tools), ToolState(model.options, model.dimension(), tool_memory));
     for (int k = 0; k < model.options.tools; ++k)
@@ -390,7 +390,7 @@ void Simulation::place_surfaces() noexcept {
 }
 
 /// Time in which damping leaves e^-5 of any oscillation of an untouched mesh, and relaxation e^-10 of any displacement.
-double Simulation::settled_s(const HapticMesh& mesh) noexcept { return 10 / mesh.damping_1_s + (mesh.law ? 10 * mesh.law->slowest_s() : 0); }
+double Simulation::settled_s(const HapticMesh& mesh) noexcept { return 10 / mesh.damping_1_s + (mesh.energy_model ? 10 * mesh.energy_model->slowest_s() : 0); }
 
 /// Energy models and springs that turn have equilibria other than rest: tissue that was drawn through itself stays
 /// inverted. True where nothing has touched a mesh for so long that damping has left e^-5 of any oscillation, and a
@@ -399,7 +399,7 @@ bool Simulation::come_to_rest_elsewhere() const noexcept {
     const double untouched_s = this->untouched_s();
     for (std::size_t m = 0; m < states_.size(); ++m) {
         const HapticMesh& mesh = *model_.meshes[m];
-        if (!mesh.law && mesh.springs.law().linear_in_displacement()) continue;
+        if (!mesh.energy_model && mesh.springs.law().linear_in_displacement()) continue;
         if (untouched_s > settled_s(mesh) && states_[m].displacement.cwiseAbs().maxCoeff() > 0.1 * model_.surface.spacing_m()) return true;
     }
     return false;

@@ -23,7 +23,7 @@ struct HapticMesh {
     std::string name;                  ///< learned, heuristic
     RealtimeMesh springs;
     Eigen::MatrixXd theta_of_set;      ///< by slot, one column per set [N/m] (P x C); of an energy model one column
-    std::unique_ptr<RealtimeEnergyModel> law;  ///< the energy model; null on a mesh of spring sets
+    std::unique_ptr<RealtimeEnergyModel> energy_model;  ///< the energy model; null on a mesh of spring sets
     Point place_m;                     ///< position of its origin (D)
     std::string dynamics;              ///< time integration in use
     int substeps;                      ///< steps in a period dt
@@ -68,7 +68,7 @@ struct HapticModel {
 
     std::uint64_t fingerprint = 0;                    ///< hash of everything that a session's state depends on
 
-    bool is_energy_model() const { return meshes.front()->law != nullptr; }
+    bool is_energy_model() const { return meshes.front()->energy_model != nullptr; }
     int dimension() const { return rest.dimension(); }
     bool is_solid() const { return rest.is_solid(); }
 
@@ -202,20 +202,20 @@ class Simulation {
     /// contact (springs/skin.h), two tools one after the other. On a mesh that is not the touched one, the skin follows
     /// that mesh's own tool displacement (displacement_at_contact). Allocates nothing where displacement_m has the
     /// right size.
-    void seen(std::size_t mesh, NodeColumns& displacement_m) const noexcept;
+    void displayed(std::size_t mesh, NodeColumns& displacement_m) const noexcept;
     /// Energies of the learned model's Maxwell branches since the start; 0 without HapticOptions::energy_book. Between
     /// ticks.
-    BranchEnergies branches() const { return law() ? law()->branches(states_[0].memory) : BranchEnergies{}; }
+    BranchEnergies branches() const { return energy_model() ? energy_model()->branches(states_[0].memory) : BranchEnergies{}; }
     double kinetic_J() const noexcept;  ///< of the learned mesh
     /// The learned energy model, as it is in this session; null for spring sets.
-    const RealtimeEnergyModel* law() const { return energy_models_[0].get(); }
-    RealtimeEnergyModel* law() { return energy_models_[0].get(); }
+    const RealtimeEnergyModel* energy_model() const { return energy_models_[0].get(); }
+    RealtimeEnergyModel* energy_model() { return energy_models_[0].get(); }
     /// Whether the tool stayed behind the hand in the last tick, since the device cannot show the energy model's force.
     bool held_back(int tool = 0) const noexcept { return record(tool).mesh >= 0 && record(tool).coupling_N.norm() >= of(tool).spring.most_N() * (1 - 1e-6); }
     /// Contact of the learned energy model; valid while the tool touches its mesh or the one beside it.
     const ToolSpring& tool(int tool = 0) const { return of(tool).spring; }
 
-    /// To be called after law() was changed (RealtimeEnergyModel::become): gives present contacts the new stiffness.
+    /// To be called after energy_model() was changed (RealtimeEnergyModel::become): gives present contacts the new stiffness.
     void energy_model_changed() noexcept;
 
     /// Puts every mesh to rest; the master must be outside once before there is force again.

@@ -66,7 +66,7 @@ void Simulation::begin_contact(ToolState& t, int mesh) noexcept {
     lay_tool(t, push_of(t, t.at_the_end(master_m, period_s_), static_cast<std::size_t>(mesh)));
     t.show_no_more(on_energy_model(t));
     for (ToolMemory& memory : t.memory) memory.forget();
-    if (pressed.law)
+    if (pressed.energy_model)
         t.contact.pressing = tool_pushes(t, t.at_the_end(master_m, period_s_));
     else
         t.coupling_N_m = *model_.options.coupling_ratio * model_.stiffness->at(t.contact.where.facet, t.contact.where.weight[1]);
@@ -169,15 +169,15 @@ Point Simulation::displacement_at_contact(std::size_t mesh, int tool) const noex
     if (t.record.mesh < 0) return Point::Zero(model_.dimension());
     const HapticMesh& asked = *model_.meshes[mesh];
     const NodeColumns& u = states_[mesh].displacement;
-    if (asked.law && static_cast<int>(mesh) == t.record.mesh) return t.spring.shown_push(push_of(t, t.record.master_m, mesh), u, t.memory[mesh].empty() ? nullptr : &t.memory[mesh]);
-    if (asked.law) return t.spring.push_at(-t.record.coupling_N, u, &t.memory[mesh]);
+    if (asked.energy_model && static_cast<int>(mesh) == t.record.mesh) return t.spring.shown_push(push_of(t, t.record.master_m, mesh), u, t.memory[mesh].empty() ? nullptr : &t.memory[mesh]);
+    if (asked.energy_model) return t.spring.push_at(-t.record.coupling_N, u, &t.memory[mesh]);
     const Cells& facets = asked.springs.facets();
     Point sum = Point::Zero(model_.dimension());
     for (Eigen::Index k = 0; k < facets.cols(); ++k) sum += t.record.weight[k] * u.row(facets(t.record.facet, k)).transpose();
     return sum;
 }
 
-void Simulation::seen(std::size_t mesh, NodeColumns& displacement_m) const noexcept {
+void Simulation::displayed(std::size_t mesh, NodeColumns& displacement_m) const noexcept {
     displacement_m = states_[mesh].displacement;
     if (!energy_models_[mesh]) return;
     for (int k = 0; k < tool_count(); ++k)

@@ -38,7 +38,7 @@ Simulation::Slip Simulation::slide(ToolState& t) noexcept {
     if (t.grasps) return {Point::Zero(model_.dimension()), Point::Zero(model_.dimension()), false};
     Slip slip;
     slip.went_on = t.friction.slipping();
-    if (mesh.law) {
+    if (mesh.energy_model) {
         slip.slid_m = -t.touched_m;
         slip.drags = t.friction.slide(model_.surface, mesh.springs, contacts_of(t), states_[m].displacement, t.at_m - mesh.place_m, t.contact.where, t.touched_m, t.spring,
                                       t.memory[m], t.memory.size() > 1 ? &t.memory[1 - m] : nullptr);
@@ -112,7 +112,7 @@ ContactLoad Simulation::load_of(ToolState& t, std::size_t m) noexcept {
 void Simulation::stand_on(ToolState& t, std::size_t m) noexcept {
     const HapticMesh& mesh = *model_.meshes[m];
     const MeshState& state = states_[m];
-    if (!mesh.law) t.slid_m += slide(t).slid_m;
+    if (!mesh.energy_model) t.slid_m += slide(t).slid_m;
     ContactLoad load = load_of(t, m);
     // motion of the tool since the last step
     const Point moved_m = t.at_the_end(t.record.master_m, period_s_) + (model_.options.dt_s - due_s_[m] - period_s_) * t.velocity_m_s - t.at_m;
@@ -154,7 +154,7 @@ void Simulation::advance_mesh(std::size_t m) noexcept {
         held = true;
         course_m_s[k] = (end_of(t) - t.at_m) / (steps * h);
     }
-    const bool in_parts = held && mesh.law && steps >= 2 * mesh.substeps;
+    const bool in_parts = held && mesh.energy_model && steps >= 2 * mesh.substeps;
     const int of_last = std::clamp(static_cast<int>(std::lround(period_s_ / h)), 1, steps), most = in_parts ? mesh.substeps : steps;
     Point sum_N[most_tools];
     for (std::size_t k = 0; k < tools_.size(); ++k) sum_N[k] = Point::Zero(model_.dimension());

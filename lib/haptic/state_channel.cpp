@@ -13,7 +13,7 @@ TickState empty_state(const HapticModel& model) {
     return state;
 }
 
-/// displacement_m: displayed displacement of each mesh's nodes (Simulation::seen).
+/// displacement_m: displayed displacement of each mesh's nodes (Simulation::displayed).
 void copy(const Simulation& simulation, int tool, const std::vector<NodeColumns>& displacement_m, ToolTick& to) noexcept {
     const TickRecord& record = simulation.record(tool);
     to.record = record;
@@ -22,7 +22,7 @@ void copy(const Simulation& simulation, int tool, const std::vector<NodeColumns>
     for (std::size_t m = 0; m < to.contact_displacement_m.size(); ++m) {
         const HapticMesh& mesh = *simulation.model().meshes[m];
         to.contact_displacement_m[m] = simulation.displacement_at_contact(m, tool);
-        if (!mesh.law || static_cast<int>(m) != record.mesh) continue;
+        if (!mesh.energy_model || static_cast<int>(m) != record.mesh) continue;
         to.proxy_m = mesh.place_m;
         for (Eigen::Index k = 0; k < mesh.springs.facets().cols(); ++k) {
             const int node = mesh.springs.facets()(record.facet, k);
@@ -39,7 +39,7 @@ void copy(const Simulation& simulation, const TickStatistics& books, TickState& 
     for (std::size_t m = 0; m < seen.size(); ++m) {
         const HapticMesh& mesh = *simulation.model().meshes[m];
         const NodeColumns &rest = mesh.springs.rest(), &u = seen[m];
-        simulation.seen(m, seen[m]);
+        simulation.displayed(m, seen[m]);
         for (int n = 0; n < mesh.springs.node_count(); ++n)
             for (int axis = 0; axis < mesh.springs.dimension(); ++axis) *out++ = static_cast<float>(mesh.place_m[axis] + rest(n, axis) + u(n, axis));
     }

@@ -24,7 +24,7 @@ struct TickState : ToolTick {
     TickStatistics books;
     HapticCounters counters;
     double rested_s = 0;                                  ///< when every mesh was last put to rest
-    /// displayed position of every node (Simulation::seen), D numbers each, mesh after mesh
+    /// displayed position of every node (Simulation::displayed), D numbers each, mesh after mesh
     std::vector<float> nodes_m;
 };
 

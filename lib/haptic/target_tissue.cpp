@@ -6,7 +6,7 @@ namespace tissue {
 namespace {
 
 /// Options for the target tissue: without those that concern the session's own model and device.
-HapticOptions alone(HapticOptions options, const TissueModel& truth) {
+HapticOptions alone(HapticOptions options, const TissueModel& target) {
     options.heuristic_mesh = false;
     options.stiffest = 1;
     options.energy_book = false;
@@ -14,14 +14,14 @@ HapticOptions alone(HapticOptions options, const TissueModel& truth) {
     options.tool.resize(1);
     options.device = {};  // no device gets its force
     options.safety.force_max_N = 1e3;
-    if (truth.energy_model) options.innovation.reset(), options.coupling_ratio.reset();
+    if (target.energy_model) options.innovation.reset(), options.coupling_ratio.reset();
     return options;
 }
 
 }  // namespace
 
-TargetTissue::TargetTissue(std::unique_ptr<Device> hand, const TissueModel& truth, HapticOptions options)
-    : hand_(std::move(hand)), model_(truth, alone(std::move(options), truth)), simulation_(model_) {}
+TargetTissue::TargetTissue(std::unique_ptr<Device> hand, const TissueModel& target, HapticOptions options)
+    : hand_(std::move(hand)), model_(target, alone(std::move(options), target)), simulation_(model_) {}
 
 DeviceSample TargetTissue::read(double time_s) noexcept {
     DeviceSample sample = hand_->read(time_s);

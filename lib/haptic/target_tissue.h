@@ -12,9 +12,9 @@ namespace tissue {
 /// measured_N is the force of its tool on the target tissue. It serves to test adaptation in a session without a robot.
 class TargetTissue final : public Device {
    public:
-    /// hand: the device that gives the positions. `truth`: model of the target tissue. options: those of the session,
+    /// hand: the device that gives the positions. `target`: model of the target tissue. options: those of the session,
     /// with the map of `hand`. Throws as HapticModel.
-    TargetTissue(std::unique_ptr<Device> hand, const TissueModel& truth, HapticOptions options);
+    TargetTissue(std::unique_ptr<Device> hand, const TissueModel& target, HapticOptions options);
 
     std::string name() const override { return hand_->name() + " on a target tissue"; }
     void start() override { hand_->start(); }

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 
 namespace tissue {
 
-ToolContact::ToolContact(const SpringMesh& mesh, const EnergyModel& law, double ball_m) : kernel_(make_contact_kernel(mesh, law)), patch_(law.patch), skin_(law.skin()), ball_{ball_m} {
+ToolContact::ToolContact(const SpringMesh& mesh, const EnergyModel& energy_model, double ball_m) : kernel_(make_contact_kernel(mesh, energy_model)), patch_(energy_model.patch), skin_(energy_model.skin()), ball_{ball_m} {
     if (ball_m > 0) sizes_ = PatchSizes(law);
 }
 

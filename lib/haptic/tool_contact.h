@@ -15,9 +15,9 @@ namespace tissue {
 /// (ContactKernel::tool_at). Holds constants, no state.
 class ToolContact {
    public:
-    /// law: energy model of the tool (with_tool() in springs/energy_model_at_radius.h). ball_m: radius of the ball that
-    /// is the tool [m]; 0: the disc or patch of `law`. Throws MismatchError as make_contact_kernel() and PatchSizes do.
-    ToolContact(const SpringMesh& mesh, const EnergyModel& law, double ball_m);
+    /// energy_model: energy model of the tool (with_tool() in springs/energy_model_at_radius.h). ball_m: radius of the ball that
+    /// is the tool [m]; 0: the disc or patch of `energy_model`. Throws MismatchError as make_contact_kernel() and PatchSizes do.
+    ToolContact(const SpringMesh& mesh, const EnergyModel& energy_model, double ball_m);
     ToolContact(const ToolContact& other);
     ToolContact(ToolContact&&) = default;
 

@@ -163,7 +163,7 @@ std::vector<Waypoint> probe(const MotionOptions& o) { return pokes(o, 1); }
 
 }  // namespace
 
-std::vector<Waypoint> press_motion(const Point& contact_m, const Point& inward,
+std::vector<Waypoint> indentation_motion(const Point& contact_m, const Point& inward,
                                    const Point& push_m, double seconds, double inset_m) {
     const Point touch = contact_m + inset_m * inward;
     return {{0, contact_m - clearance_m * inward}, {0.25 * seconds, touch}, {seconds, touch + push_m}};
@@ -184,7 +184,7 @@ Aim middle_of_top(const MotionOptions& o) {
 /// Indents the middle of the top, and stays.
 std::vector<Waypoint> press(const MotionOptions& o) {
     const Aim top = middle_of_top(o);
-    return press_motion(top.place_m, top.inward, o.depth_m * top.inward, 1, 0);
+    return indentation_motion(top.place_m, top.inward, o.depth_m * top.inward, 1, 0);
 }
 
 /// A waypoint `seconds` after the one before, relative to the middle of the top: along the surface, and into the

@@ -38,7 +38,7 @@ std::vector<Waypoint> make_motion(const MotionOptions& options);
 /// Waypoints of an indentation at one contact: from outside to the surface, then to push_m beyond it after `seconds` in
 /// all, where the tool stays. inward: unit vector into the tissue. The tool touches inset_m inside the surface, so that
 /// a displacement along the surface does not leave it.
-std::vector<Waypoint> press_motion(const Point& contact_m, const Point& inward,
+std::vector<Waypoint> indentation_motion(const Point& contact_m, const Point& inward,
                                    const Point& push_m, double seconds, double inset_m);
 
 /// A scripted hand without mass: it follows the waypoints whatever the force.

@@ -159,7 +159,7 @@ Hdf5Reader::Hdf5Reader(std::string file, const std::string& kind) : file_(std::m
         const double file_version = number_attribute("/", "format_version");
         if (file_version > last_format_version)
             refuse("/", fmt::format("format version {} is later than this program's {}", file_version, last_format_version));
-        if (file_version > law_format_version && file_version < solid_format_version)
+        if (file_version > energy_model_format_version && file_version < solid_format_version)
             refuse("/", fmt::format("format version {} has another energy for solids under discs and is not supported; make the file again", file_version));
         if (file_version > adapted_format_version && file_version < embedded_format_version)
             refuse("/", fmt::format("format version {} has another contact for solids and is not supported; make the file again", file_version));

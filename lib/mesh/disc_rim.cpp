@@ -51,7 +51,7 @@ RimmedSurface with_rim(const Surface& surface, const DiscRim& disc) {
     const NearestTriangle::Place place = NearestTriangle(surface).nearest(disc.contact_m);
     if (place.distance_m > 2 * disc.radius_m)
         throw MismatchError(fmt::format("the contact {} is {:.6g} mm off the surface, more than two disc radii", at(disc.contact_m), 1e3 * place.distance_m));
-    if (Surface::is_held(surface.label[static_cast<std::size_t>(place.triangle)]))
+    if (Surface::is_fixed(surface.label[static_cast<std::size_t>(place.triangle)]))
         throw MismatchError(fmt::format("the contact {} is on a fixed part", at(disc.contact_m)));
     Divided made = divided(surface, disc, place.point_m, crease_cosine);
     if (made.rimmed.least_quality < least_quality) {

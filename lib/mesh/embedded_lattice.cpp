@@ -194,9 +194,9 @@ SpringMesh shifted_lattice(const Shape& shape, double spacing_m, const Eigen::Ve
         mesh.nodes.row(node) = (frame.origin_m + spacing_m * Eigen::Vector3d(place[2], place[1], place[0])).transpose();
     mesh.simplices = shape.simplices;
     mesh.facets = open_faces(shape.simplices);
-    std::set<int> held;
-    for (const auto& facet : shape.fixed_facets) held.insert(facet.begin(), facet.end());
-    mesh.fixed.assign(held.begin(), held.end());
+    std::set<int> fixed_nodes;
+    for (const auto& facet : shape.fixed_facets) fixed_nodes.insert(facet.begin(), facet.end());
+    mesh.fixed.assign(fixed_nodes.begin(), fixed_nodes.end());
 
     Embedding& embedding = mesh.embedding;
     embedding.spacing_m = spacing_m;

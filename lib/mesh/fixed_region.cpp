@@ -252,11 +252,11 @@ bool hold(Surface& s, const FixedRegion& region, int fixed_label_of) {
     };
     std::vector<std::array<int, 3>> triangles;
     std::vector<int> label;
-    bool held = false;
+    bool fixed = false;
     const auto add = [&](const std::array<int, 3>& corners, int old, bool inside) {
         triangles.push_back(corners);
-        label.push_back(inside && !Surface::is_held(old) ? fixed_label_of : old);
-        held = held || inside;
+        label.push_back(inside && !Surface::is_fixed(old) ? fixed_label_of : old);
+        fixed = fixed || inside;
     };
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t) {
         const int old = s.label[static_cast<std::size_t>(t)];
@@ -283,7 +283,7 @@ bool hold(Surface& s, const FixedRegion& region, int fixed_label_of) {
         add({p, c, q}, old, of(1) < 0);
     }
     divide(s, places, triangles, label);
-    return held;
+    return fixed;
 }
 
 }  // namespace tissue

@@ -25,18 +25,18 @@ Cells chosen(const Cells& facets, const std::vector<Eigen::Index>& rows) {
 }  // namespace
 
 FreeSurface::FreeSurface(const SpringMesh& mesh) : rest_(mesh.nodes), around_(static_cast<std::size_t>(mesh.node_count())) {
-    std::vector<Eigen::Index> free, held;
+    std::vector<Eigen::Index> free, fixed;
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         const auto row = mesh.facets.row(f);
-        const bool all_held = std::all_of(row.begin(), row.end(), [&](int node) {
+        const bool all_fixed = std::all_of(row.begin(), row.end(), [&](int node) {
             return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node);
         });
-        free_of_.push_back(all_held ? -1 : static_cast<Eigen::Index>(free.size()));
-        (all_held ? held : free).push_back(f);
+        free_of_.push_back(all_fixed ? -1 : static_cast<Eigen::Index>(free.size()));
+        (all_fixed ? fixed : free).push_back(f);
     }
     facet_of_ = free;
     facets_ = chosen(mesh.facets, free);
-    held_facets_ = chosen(mesh.facets, held);
+    fixed_facets_of_surface_ = chosen(mesh.facets, fixed);
     measure_.resize(facets_.rows());
     for (Eigen::Index f = 0; f < facets_.rows(); ++f) {
         measure_[f] = facet_measure(rest_, facets_, f);
@@ -229,7 +229,7 @@ double FreeSurface::thickness_m(const Point& position_m, const Point& inward) co
     constexpr double rounding = 1e-9;  // tolerance of weights, so that no ray passes between two facets
     double least = std::numeric_limits<double>::infinity();
     const Eigen::Vector3d from = position_m, along = inward;
-    for (const Cells* facets : {&facets_, &held_facets_})
+    for (const Cells* facets : {&facets_, &fixed_facets_of_surface_})
         for (Eigen::Index f = 0; f < facets->rows(); ++f) {
             const Eigen::Vector3d a = rest_.row((*facets)(f, 0)), b = rest_.row((*facets)(f, 1)), c = rest_.row((*facets)(f, 2));
             Eigen::Matrix3d sides;  // from + t along = a + v (b - a) + w (c - a)
@@ -264,7 +264,7 @@ bool FreeSurface::faces(int node, const Point& inward) const noexcept {
     return facing_[static_cast<std::size_t>(node)].dot(inward) >= same_side;
 }
 
-std::vector<int> seen_nodes(const SpringMesh& mesh) {
+std::vector<int> compared_nodes(const SpringMesh& mesh) {
     if (mesh.is_solid()) return FreeSurface(mesh).nodes();
     std::vector<int> all(static_cast<std::size_t>(mesh.node_count()));
     std::iota(all.begin(), all.end(), 0);

@@ -13,7 +13,7 @@ class FreeSurface {
     explicit FreeSurface(const SpringMesh& mesh);
 
     const Cells& facets() const { return facets_; }            ///< at least one node of each is free
-    const Cells& held_facets() const { return held_facets_; }  ///< all their nodes are fixed
+    const Cells& fixed_facets_of_surface() const { return fixed_facets_of_surface_; }  ///< all their nodes are fixed
     const std::vector<int>& nodes() const { return nodes_; }   ///< nodes of the free facets, ascending
     /// Mean spacing of these nodes: mean length of a segment; in space sqrt(2 mean area of a facet). On a lattice it is
     /// the edge of a cell.
@@ -79,7 +79,7 @@ class FreeSurface {
     void join_facets();
 
     NodeField rest_;
-    Cells facets_, held_facets_;
+    Cells facets_, fixed_facets_of_surface_;
     std::vector<int> nodes_, creases_;
     Cells ends_;                                     ///< in space: edges where the surface ends or turns, as segments
     std::vector<std::vector<Eigen::Index>> around_;  ///< free facets of each node (N)
@@ -93,6 +93,6 @@ class FreeSurface {
 };
 
 /// Nodes of the indentation error of displacement: all nodes in the plane, those of the free surface in space.
-std::vector<int> seen_nodes(const SpringMesh& mesh);
+std::vector<int> compared_nodes(const SpringMesh& mesh);
 
 }  // namespace tissue

@@ -203,21 +203,21 @@ Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, con
         throw FileError(fmt::format("{}: the mesh overlaps itself: its triangles cover {:.6g} m2, its outline encloses {:.6g} m2",
                                     file, area, enclosed));
 
-    std::set<Edge> held;
+    std::set<Edge> fixed_edges_left;
     for (const MshFile::Element& e : mesh.lines)
         if (std::find(fixed_tags.begin(), fixed_tags.end(), e.physical) != fixed_tags.end()) {
             const auto a = number.find(e.node[0]), b = number.find(e.node[1]);
             if (a == number.end() || b == number.end())
                 throw FileError(fmt::format("{}: element {} of a fixed curve belongs to no triangle", file, e.number));
-            held.insert({std::min(a->second, b->second), std::max(a->second, b->second)});
+            fixed_edges_left.insert({std::min(a->second, b->second), std::max(a->second, b->second)});
         }
     for (std::size_t i = 0; i < loop.size(); ++i) {
         const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
-        if (held.erase({std::min(edge[0], edge[1]), std::max(edge[0], edge[1])})) shape.fixed_edges.push_back(edge);
+        if (fixed_edges_left.erase({std::min(edge[0], edge[1]), std::max(edge[0], edge[1])})) shape.fixed_edges.push_back(edge);
     }
-    if (!held.empty())
+    if (!fixed_edges_left.empty())
         throw FileError(fmt::format("{}: the fixed curve at {} is not on the outline", file,
-                                    at(shape.nodes.row((*held.begin())[0]))));
+                                    at(shape.nodes.row((*fixed_edges_left.begin())[0]))));
     if (shape.fixed_edges.empty())
         throw FileError(fmt::format("{}: no part of the outline is in the fixed curves {}", file, fmt::join(fixed, ", ")));
     try {
@@ -232,7 +232,7 @@ Shape make_shape(const MshFile& mesh, const std::vector<std::string>& fixed, con
 std::string to_msh(const Shape& shape, const std::vector<std::string>& regions) {
     if (shape.is_solid()) return solid_to_msh(shape, regions);
     const std::vector<int> loop = loop_of(shape, "the shape");
-    const std::set<Edge> held(shape.fixed_edges.begin(), shape.fixed_edges.end());
+    const std::set<Edge> fixed_edges_left(shape.fixed_edges.begin(), shape.fixed_edges.end());
     std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n1 {} \"fixed\"\n1 {} \"free\"\n2 {} \"tissue\"\n",
                                    3 + regions.size(), fixed_label, free_label, tissue_label);
     for (std::size_t r = 0; r < regions.size(); ++r)
@@ -244,7 +244,7 @@ std::string to_msh(const Shape& shape, const std::vector<std::string>& regions) 
     int number = 0;
     for (std::size_t i = 0; i < loop.size(); ++i) {
         const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
-        const int label = held.count(edge) ? fixed_label : free_label;
+        const int label = fixed_edges_left.count(edge) ? fixed_label : free_label;
         text += fmt::format("{} 1 2 {} {} {} {}\n", ++number, label, label, edge[0] + 1, edge[1] + 1);
     }
     for (Eigen::Index t = 0; t < shape.simplices.rows(); ++t) {

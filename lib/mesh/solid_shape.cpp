@@ -177,7 +177,7 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
     const Cells facets = open_faces(shape.simplices);
     check_surface(shape, facets, file);
 
-    std::map<Face, std::size_t> held;  // fixed faces: index of the first named part with the face
+    std::map<Face, std::size_t> fixed_faces;  // fixed faces: index of the first named part with the face
     for (const MshFile::Element& e : mesh.triangles) {
         const auto tag = std::find(fixed_tags.begin(), fixed_tags.end(), e.physical);
         if (tag == fixed_tags.end()) continue;
@@ -188,7 +188,7 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
             face[static_cast<std::size_t>(k)] = there->second;
         }
         const auto part = static_cast<std::size_t>(tag - fixed_tags.begin());
-        std::size_t& first = held.emplace(sorted(face), part).first->second;
+        std::size_t& first = fixed_faces.emplace(sorted(face), part).first->second;
         first = std::min(first, part);
     }
     const double border = border_m(shape.nodes);
@@ -196,9 +196,9 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
     for (Eigen::Index f = 0; f < facets.rows(); ++f) {
         Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
         for (int node : facets.row(f)) middle_m += shape.nodes.row(node).transpose() / 3;
-        const auto named = held.find(sorted(face_of(facets, f)));
-        int bed = named == held.end() ? -1 : held_by.bed_of_name[named->second];
-        if (bed >= 0) held.erase(named);
+        const auto named = fixed_faces.find(sorted(face_of(facets, f)));
+        int bed = named == fixed_faces.end() ? -1 : held_by.bed_of_name[named->second];
+        if (bed >= 0) fixed_faces.erase(named);
         for (std::size_t r = 0; r < holds.size(); ++r) {
             if (held_by.regions[r].outside_m(middle_m) > border) continue;
             holds[r] = true;
@@ -215,8 +215,8 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
         if (!holds[r])
             throw FileError(fmt::format("{}: '{}' fixes no facet of its surface, which extends from {} to {}", file, held_by.regions[r].text(), at(shape.nodes.colwise().minCoeff()),
                                         at(shape.nodes.colwise().maxCoeff())));
-    if (!held.empty())
-        throw FileError(fmt::format("{}: the fixed surface at {} is not on the tissue's surface", file, at(shape.nodes.row(held.begin()->first[0]))));
+    if (!fixed_faces.empty())
+        throw FileError(fmt::format("{}: the fixed surface at {} is not on the tissue's surface", file, at(shape.nodes.row(fixed_faces.begin()->first[0]))));
     if (shape.fixed_facets.empty())
         throw FileError(fmt::format("{}: no part of the surface is in the fixed surfaces {}", file, fmt::join(fixed, ", ")));
     std::set<int> fixed_nodes;
@@ -231,9 +231,9 @@ Shape make_solid_shape(const MshFile& mesh, const std::vector<std::string>& fixe
 
 std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& regions) {
     const Cells facets = open_faces(shape.simplices);
-    std::map<Face, int> held;
+    std::map<Face, int> fixed_faces;
     for (std::size_t f = 0; f < shape.fixed_facets.size(); ++f)
-        held[sorted(shape.fixed_facets[f])] = fixed_label_of(shape.bed.empty() ? 0 : shape.bed[f]);
+        fixed_faces[sorted(shape.fixed_facets[f])] = fixed_label_of(shape.bed.empty() ? 0 : shape.bed[f]);
     const std::set<int> beds(shape.bed.begin(), shape.bed.end());
     const auto named = std::count_if(beds.begin(), beds.end(), [](int bed) { return bed > 0; });
     std::string text = fmt::format("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n2 {} \"fixed\"\n2 {} \"free\"\n", 3 + static_cast<std::size_t>(named) + regions.size(), Surface::fixed_label,
@@ -248,8 +248,8 @@ std::string solid_to_msh(const Shape& shape, const std::vector<std::string>& reg
     text += fmt::format("$EndNodes\n$Elements\n{}\n", facets.rows() + shape.simplices.rows());
     int number = 0;
     for (Eigen::Index f = 0; f < facets.rows(); ++f) {
-        const auto there = held.find(sorted(face_of(facets, f)));
-        const int label = there == held.end() ? Surface::free_label : there->second;
+        const auto there = fixed_faces.find(sorted(face_of(facets, f)));
+        const int label = there == fixed_faces.end() ? Surface::free_label : there->second;
         text += fmt::format("{} 2 2 {} {} {} {} {}\n", ++number, label, label, facets(f, 0) + 1, facets(f, 1) + 1, facets(f, 2) + 1);
     }
     for (Eigen::Index t = 0; t < shape.simplices.rows(); ++t) {
@@ -276,7 +276,7 @@ Shape read_solid_shape(const std::string& file) {
         if (e.physical < tissue_label || !(volume_of(shape.nodes, shape.simplices, t) > 0)) refuse();
     }
     for (const MshFile::Element& e : mesh.triangles)
-        if (Surface::is_held(e.physical)) {
+        if (Surface::is_fixed(e.physical)) {
             shape.fixed_facets.push_back({e.node[0], e.node[1], e.node[2]});
             shape.bed.push_back(std::max(0, e.physical - Surface::first_bed_label + 1));
         }

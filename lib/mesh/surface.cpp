@@ -227,8 +227,8 @@ Surface closed_surface(const MshFile& mesh, double unit_m) { return closed(mesh,
 std::string fixed_name(int label) { return label == Surface::fixed_label ? "fixed" : fmt::format("bed-{}", label - Surface::first_bed_label + 1); }
 
 Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, double unit_m, const FixedRegion::Reader& read, const std::vector<int>& beds) {
-    const FixedParts held_by_part = fixed_parts(held, mesh.file, read, unit_m, beds);
-    const std::vector<std::string>& fixed = held_by_part.names;
+    const FixedParts fixed_by_part = fixed_parts(held, mesh.file, read, unit_m, beds);
+    const std::vector<std::string>& fixed = fixed_by_part.names;
     const std::string& file = mesh.file;
     auto [s, faces] = closed(mesh, unit_m);
     std::vector<std::string> known;
@@ -238,7 +238,7 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, 
         for (std::size_t t : triangles) {
             if (part >= first[t]) continue;
             first[t] = part;
-            s.label[t] = fixed_label_of(held_by_part.bed_of_name[part]);
+            s.label[t] = fixed_label_of(fixed_by_part.bed_of_name[part]);
         }
         known.push_back(name);
     };
@@ -274,8 +274,8 @@ Surface make_surface(const MshFile& mesh, const std::vector<std::string>& held, 
             if (known.size() > 12) known.assign({known[0], known[1], "...", known.back()});
             throw FileError(fmt::format("{}: has no surface '{}' to fix; its surfaces: {}", file, name, fmt::join(known, ", ")));
         }
-    for (std::size_t k = 0; k < held_by_part.regions.size(); ++k)
-        if (const FixedRegion& region = held_by_part.regions[k]; !held_by(s, region, file, fixed_label_of(held_by_part.bed_of_region[k])))
+    for (std::size_t k = 0; k < fixed_by_part.regions.size(); ++k)
+        if (const FixedRegion& region = fixed_by_part.regions[k]; !held_by(s, region, file, fixed_label_of(fixed_by_part.bed_of_region[k])))
             throw FileError(fmt::format("{}: '{}' fixes no part of its surface, which extends from {}", file, region.text(), extent(s.nodes)));
     if (held.empty()) throw FileError(file + ": no part of its surface is fixed");
     for (std::size_t i = 0; i < beds.size(); ++i)
@@ -301,12 +301,12 @@ Enclosed enclosed_by(const Surface& s) {
 double fixed_area_m2(const Surface& s) {
     double area = 0;
     for (Eigen::Index t = 0; t < s.triangles.rows(); ++t)
-        if (Surface::is_held(s.label[static_cast<std::size_t>(t)])) area += facet_measure(s.nodes, s.triangles, t);
+        if (Surface::is_fixed(s.label[static_cast<std::size_t>(t)])) area += facet_measure(s.nodes, s.triangles, t);
     return area;
 }
 
 void check_fixed_area(const Surface& before, const Surface& divided) {
-    const auto held = [](const Surface& s, Eigen::Index t) { return Surface::is_held(s.label[static_cast<std::size_t>(t)]); };
+    const auto held = [](const Surface& s, Eigen::Index t) { return Surface::is_fixed(s.label[static_cast<std::size_t>(t)]); };
     // sets of connected nodes of fixed triangles
     boost::disjoint_sets_with_storage<> part(static_cast<std::size_t>(before.nodes.rows()));
     for (Eigen::Index t = 0; t < before.triangles.rows(); ++t)

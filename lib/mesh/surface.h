@@ -15,7 +15,7 @@ struct Surface {
     static constexpr int fixed_label = 1, free_label = 2, disc_label = 3;  ///< as in fem/solve_solid.edp
     static constexpr int first_bed_label = 21, last_bed_label = 60;        ///< fixed parts on elastic beds 1 to 40
     /// Whether a label is of a fixed part, on an elastic bed or not.
-    static bool is_held(int label) { return label == fixed_label || (label >= first_bed_label && label <= last_bed_label); }
+    static bool is_fixed(int label) { return label == fixed_label || (label >= first_bed_label && label <= last_bed_label); }
 
     NodeField nodes;         ///< [m] (N x 3)
     Cells triangles;         ///< node numbers, normals point out (T x 3)

@@ -464,7 +464,7 @@ void SurfaceRemesh::cut(int centre, double radius_m) {
         const int node = next.back();
         next.pop_back();
         for (int t : around(node))
-            if (Surface::is_held(triangles_[static_cast<std::size_t>(t)].label))
+            if (Surface::is_fixed(triangles_[static_cast<std::size_t>(t)].label))
                 throw MismatchError(fmt::format("the disc of radius {:.6g} m about {} overlaps a fixed part at {}", radius_m, at_place(rim_centre_m_), at_place(at(node))));
         for (int other : neighbours(node))
             if (!inside[static_cast<std::size_t>(other)] && off(other) < 0) {

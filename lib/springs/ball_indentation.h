@@ -34,12 +34,12 @@ class BallIndentation {
    public:
     /// radius_m: radius of the ball [m]. Throws MismatchError for a radius that is not positive and finite, for a model
     /// without a disc, and for one that was trained under one disc radius.
-    BallIndentation(const SpringMesh& mesh, EnergyModel law, double radius_m);
+    BallIndentation(const SpringMesh& mesh, EnergyModel energy_model, double radius_m);
 
     /// Radius of the contact [m] at a tool displacement push_m [m] (D); 0 where it points out of the tissue.
     double contact_radius_m(const Point& contact_m, const Point& push_m) const;
 
-    /// Equilibrium from rest, as IndentationSolver::at, with the displacement as it is displayed (IndentationSolver::seen). It is the
+    /// Equilibrium from rest, as IndentationSolver::at, with the displacement as it is displayed (IndentationSolver::displayed). It is the
     /// rest state where push_m does not point into the tissue. For contacts smaller than the smallest trained disc the
     /// stiffnesses follow their analytical start (springs/patch_sizes.h). Throws ContactTooLargeError where the contact
     /// is larger than the largest trained disc, or where more than half of the ball is in the tissue.

@@ -17,7 +17,7 @@ struct ContactParameters;
 using ContactFactors = Eigen::Vector4d;
 
 /// Kinematics of one contact in R rows: e = push d - pull u, with the tool displacement d [m] (D) and the displacements
-/// u of K nodes. The stiffness of row r is share_r times that of the row law_row_r of ContactParameters.
+/// u of K nodes. The stiffness of row r is share_r times that of the row contact_row_r of ContactParameters.
 struct ContactRows {
     std::vector<int> nodes;      ///< (K), all different
     Eigen::MatrixXd push;        ///< (R x D)
@@ -43,8 +43,8 @@ class ContactKernel {
     /// The same contact in the form of the tick (ToolSpring), at weights of the nodes of a boundary facet
     /// (SpringMesh::facets). On a fixed facet, which is not part of the free surface, it is a fixed wall with the
     /// stiffness of the nearest contact. Allocates nothing.
-    /// radius_m: radius of a disc [m], to which `law` must belong; 0: the kernel's own.
-    virtual void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& law, ToolSpring& tool) const noexcept = 0;
+    /// radius_m: radius of a disc [m], to which `contact_parameters` must belong; 0: the kernel's own.
+    virtual void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& contact_parameters, ToolSpring& tool) const noexcept = 0;
     /// In space, the surface at a place: unit normal into the tissue, and mean curvature [1/m], positive where the
     /// surface bulges.
     struct SurfaceAt {

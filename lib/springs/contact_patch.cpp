@@ -110,10 +110,10 @@ ContactPatch ContactSurface::at(double arc_m) const noexcept {
     return patch;
 }
 
-void ContactSurface::tool_at(int facet, const Eigen::Vector3d& weight, double /*radius_m*/, const ContactParameters& law, ToolSpring& tool) const noexcept {
+void ContactSurface::tool_at(int facet, const Eigen::Vector3d& weight, double /*radius_m*/, const ContactParameters& contact_parameters, ToolSpring& tool) const noexcept {
     const Segment& segment = segment_[static_cast<std::size_t>(facet)];
     ContactPatch patch = at(segment.first + weight[1] * (segment.last - segment.first));
-    PatchStiffness k = law.at(patch);
+    PatchStiffness k = contact_parameters.at(patch);
     if (segment.first == segment.last) {
         for (int i = 0; i < ContactPatch::size; ++i) {
             patch.node[i] = segment.node[i % 2];

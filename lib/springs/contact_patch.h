@@ -34,7 +34,7 @@ class ContactSurface final : public ContactKernel {
 
     std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<ContactSurface>(*this); }
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface point nearest to contact_m
-    void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& law, ToolSpring& tool) const noexcept override;
+    void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& contact_parameters, ToolSpring& tool) const noexcept override;
     std::vector<std::pair<int, int>> coupled() const override;   ///< pairs within four successive nodes
     double spacing_m() const override { return outline_.length() / static_cast<double>(outline_.nodes().size() - 1); }
 

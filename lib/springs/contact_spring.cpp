@@ -49,13 +49,13 @@ std::vector<std::pair<int, int>> ContactSurface::coupled() const {
     return pairs;
 }
 
-ContactSpring::ContactSpring(ContactRows where, const ContactParameters& law) : rows(std::move(where)), k_N_m(rows.share.size()) {
-    parameter_value = law.values_at(rows.factors, rows.log_scale);
+ContactSpring::ContactSpring(ContactRows where, const ContactParameters& contact_parameters) : rows(std::move(where)), k_N_m(rows.share.size()) {
+    parameter_value = contact_parameters.values_at(rows.factors, rows.log_scale);
     for (Eigen::Index r = 0; r < k_N_m.size(); ++r) k_N_m[r] = rows.share[r] * parameter_value[rows.parameter_row[static_cast<std::size_t>(r)]];
-    if (!law.hardens()) return;
+    if (!contact_parameters.hardens()) return;
     hardening_1_J = parameter_value[ContactParameters::hardening_row];
     saturation_1_J = parameter_value[ContactParameters::saturation_row];
-    curve = law.curve;
+    curve = contact_parameters.curve;
     if (curve == ContactCurve::softens) {
         saturation_1_J = hardening_1_J;
         hardening_1_J = -saturation_1_J;

@@ -26,7 +26,7 @@ struct ContactSpring {
     double hardening_1_J = 0, saturation_1_J = 0, coupling_N_m2 = 0;
     ContactCurve curve = ContactCurve::hardens;  ///< softens: hardening = -saturation, both from the ContactParameters row hardening
 
-    ContactSpring(ContactRows where, const ContactParameters& law);
+    ContactSpring(ContactRows where, const ContactParameters& contact_parameters);
     ContactSpring(const PatchSpring& patch);  ///< the same energy as the tick's form in the plane
 
     struct Load {

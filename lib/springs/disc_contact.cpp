@@ -243,12 +243,12 @@ ContactRows DiscContact::rows_at(const Point& contact_m) const {
     return rows;
 }
 
-void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& law, ToolSpring& tool) const noexcept {
+void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& contact_parameters, ToolSpring& tool) const noexcept {
     const bool is_free = surface_.free_of()[static_cast<std::size_t>(facet)] >= 0;
     Footing footing;
     const Disc disc = disc_at(place_of(facet, weight), radius_m > 0 ? radius_m : radius_m_, footing);
     double k[ContactParameters::disc_rows] = {};
-    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(ContactParameters::disc_rows, law.log_N_m.rows()); ++m) k[m] = std::exp(law.log_N_m.row(m).transpose().dot(disc.factors)) * ContactParameters::scaled(m, std::exp(disc.log_scale));
+    for (Eigen::Index m = 0; m < std::min<Eigen::Index>(ContactParameters::disc_rows, contact_parameters.log_N_m.rows()); ++m) k[m] = std::exp(contact_parameters.log_N_m.row(m).transpose().dot(disc.factors)) * ContactParameters::scaled(m, std::exp(disc.log_scale));
     const Eigen::Matrix3d nn = disc.normal * disc.normal.transpose(), along = Eigen::Matrix3d::Identity() - nn;
     if (is_bound()) k[1] *= bound_stiffness;
     Eigen::Matrix3d stiffness = k[0] * nn + k[1] * along;
@@ -270,11 +270,11 @@ void DiscContact::tool_at(int facet, const Eigen::Vector3d& weight, double radiu
         tool.add_group(at->target, at->share * (k[2] * nn + k[3] * along));
         for (int i = at->begin; i < at->end; ++i) tool.add_node(footing.node[i], footing.weight[i]);
     }
-    if (!law.hardens()) return;
+    if (!contact_parameters.hardens()) return;
     const double hardening = k[ContactParameters::hardening_row];
-    const bool softens = law.curve == ContactCurve::softens;
-    tool.harden(softens ? -hardening : hardening, softens ? hardening : k[ContactParameters::saturation_row], k[ContactParameters::coupling_row], law.curve == ContactCurve::compression,
-                law.curve == ContactCurve::compression ? 2 * k[ContactParameters::coupling_row] / k[1] : 0);
+    const bool softens = contact_parameters.curve == ContactCurve::softens;
+    tool.harden(softens ? -hardening : hardening, softens ? hardening : k[ContactParameters::saturation_row], k[ContactParameters::coupling_row], contact_parameters.curve == ContactCurve::compression,
+                contact_parameters.curve == ContactCurve::compression ? 2 * k[ContactParameters::coupling_row] / k[1] : 0);
 }
 
 }  // namespace tissue

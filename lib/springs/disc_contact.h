@@ -46,7 +46,7 @@ class DiscContact final : public ContactKernel {
 
     std::unique_ptr<ContactKernel> clone() const override { return std::make_unique<DiscContact>(*this); }
     ContactRows rows_at(const Point& contact_m) const override;  ///< at the surface point nearest to contact_m
-    void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& law, ToolSpring& tool) const noexcept override;
+    void tool_at(int facet, const Eigen::Vector3d& weight, double radius_m, const ContactParameters& contact_parameters, ToolSpring& tool) const noexcept override;
     SurfaceAt surface_at(int facet, const Eigen::Vector3d& weight) const noexcept override;
     std::vector<SkinNode> skin_at(const Point& contact_m) const override;
     void show_skin(int facet, const Eigen::Vector3d& weight, double radius_m, const SkinParameters& skin, const Point& push_m, NodeColumns& u) const noexcept override;

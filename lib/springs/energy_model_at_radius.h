@@ -9,12 +9,12 @@ namespace tissue {
 /// any other. Its contact parameters change with the radius as their start does, and by the trained terms `size`
 /// (resized() in springs/energy_model_terms.h). Its lattice correction is that of the radius. radius_m = 0: the model unchanged. Throws
 /// MismatchError for a radius outside the range of the training discs; the message gives that range.
-EnergyModel energy_model_at_radius(const EnergyModel& law, double radius_m);
+EnergyModel energy_model_at_radius(const EnergyModel& energy_model, double radius_m);
 /// The same for any radius > 0 [m]. Outside the range of the training discs the parameters follow their analytical
 /// start (springs/patch_sizes.h). Throws MismatchError for a model trained under one disc only.
-EnergyModel law_of_contact(const EnergyModel& law, double radius_m);
+EnergyModel energy_model_of_contact(const EnergyModel& energy_model, double radius_m);
 /// The model for a ball of radius ball_m [m] while its contact has the radius contact_m > 0 [m].
-EnergyModel law_of_ball(const EnergyModel& law, double ball_m, double contact_m);
+EnergyModel energy_model_of_ball(const EnergyModel& energy_model, double ball_m, double contact_m);
 
 /// The model with the energy model of that tool, for a session; no file contains it. Its load cases remain, also those
 /// of other discs (TissueModel::is_own_case). For a ball it is the energy model of the contact when half of the ball is

@@ -13,7 +13,7 @@
 
 namespace tissue {
 
-const DatasetTable& law_table(bool solid) {
+const DatasetTable& energy_model_table(bool solid) {
     static const DatasetTable plane = {
         {"/law/terms", "P", Values::names(), "text", "names of the terms"},
         {"/law/coefficients", "P", Values::logarithm(), "1", "coefficient of each term"},
@@ -36,47 +36,47 @@ const DatasetTable& law_table(bool solid) {
     return solid ? space : plane;
 }
 
-void write_law(Hdf5Writer& file, const EnergyModel& law) {
-    TableWriter out(file, law_table(law.patch.hardens()));
-    out.write_texts("/law/terms", law.terms);
-    out.write("/law/coefficients", law.coefficients);
-    out.write("/law/constants", law.constants);
-    out.write("/law/patch_log", NodeField(law.patch.log_N_m));
-    file.attribute("/law", "incompressible", law.incompressible ? 1.0 : 0.0);
-    if (!law.curve.hookean()) {
-        file.attribute("/law", "c2_share", law.curve.q());
-        file.attribute("/law", "straight_below", law.curve.shorter().stretch);
-        file.attribute("/law", "straight_above", law.curve.longer().stretch);
+void write_energy_model(Hdf5Writer& file, const EnergyModel& energy_model) {
+    TableWriter out(file, energy_model_table(energy_model.patch.hardens()));
+    out.write_texts("/law/terms", energy_model.terms);
+    out.write("/law/coefficients", energy_model.coefficients);
+    out.write("/law/constants", energy_model.constants);
+    out.write("/law/patch_log", NodeField(energy_model.patch.log_N_m));
+    file.attribute("/law", "incompressible", energy_model.incompressible ? 1.0 : 0.0);
+    if (!energy_model.curve.hookean()) {
+        file.attribute("/law", "c2_share", energy_model.curve.q());
+        file.attribute("/law", "straight_below", energy_model.curve.shorter().stretch);
+        file.attribute("/law", "straight_above", energy_model.curve.longer().stretch);
     }
-    if (law.disc.ground.rows() > 0) out.write("/law/ground", law.disc.ground);
-    if (std::isfinite(law.disc.curved_range[0])) out.write("/law/curved_range", Eigen::VectorXd(law.disc.curved_range));
-    if (law.disc.correction.value.rows() > 0) out.write("/law/lattice_correction", law.disc.correction.value);
-    if (!law.sizes.empty()) {
-        out.write("/law/radii", law.sizes.radii_m);
-        if (!law.sizes.correction.empty()) {
-            const NodeField& own = law.sizes.correction.front().value;
-            NodeField all(own.rows() * static_cast<Eigen::Index>(law.sizes.correction.size()), own.cols());
-            for (std::size_t k = 0; k < law.sizes.correction.size(); ++k) all.middleRows(static_cast<Eigen::Index>(k) * own.rows(), own.rows()) = law.sizes.correction[k].value;
+    if (energy_model.disc.ground.rows() > 0) out.write("/law/ground", energy_model.disc.ground);
+    if (std::isfinite(energy_model.disc.curved_range[0])) out.write("/law/curved_range", Eigen::VectorXd(energy_model.disc.curved_range));
+    if (energy_model.disc.correction.value.rows() > 0) out.write("/law/lattice_correction", energy_model.disc.correction.value);
+    if (!energy_model.sizes.empty()) {
+        out.write("/law/radii", energy_model.sizes.radii_m);
+        if (!energy_model.sizes.correction.empty()) {
+            const NodeField& own = energy_model.sizes.correction.front().value;
+            NodeField all(own.rows() * static_cast<Eigen::Index>(energy_model.sizes.correction.size()), own.cols());
+            for (std::size_t k = 0; k < energy_model.sizes.correction.size(); ++k) all.middleRows(static_cast<Eigen::Index>(k) * own.rows(), own.rows()) = energy_model.sizes.correction[k].value;
             out.write("/law/radius_corrections", all);
         }
     }
-    if (law.patch.hardens()) file.attribute("/law", "disc_radius_m", law.disc_radius_m);
-    if (law.contact_log_scale.size() > 0) out.write("/law/contact_log_scale", law.contact_log_scale);
-    if (law.relaxation.empty()) return;
-    out.write("/law/relaxation_time", law.relaxation.tau_s);
-    out.write("/law/share", law.relaxation.share);
-    out.write("/law/contact_share", law.relaxation.contact_share);
+    if (energy_model.patch.hardens()) file.attribute("/law", "disc_radius_m", energy_model.disc_radius_m);
+    if (energy_model.contact_log_scale.size() > 0) out.write("/law/contact_log_scale", energy_model.contact_log_scale);
+    if (energy_model.relaxation.empty()) return;
+    out.write("/law/relaxation_time", energy_model.relaxation.tau_s);
+    out.write("/law/share", energy_model.relaxation.share);
+    out.write("/law/contact_share", energy_model.relaxation.contact_share);
 }
 
 namespace {
 
-/// Data for other disc radii. law: the energy model with its own disc and correction already read.
-DiscSizes read_sizes(TableReader& in, const SpringMesh& mesh, const EnergyModel& law) {
+/// Data for other disc radii. energy_model: the energy model with its own disc and correction already read.
+DiscSizes read_sizes(TableReader& in, const SpringMesh& mesh, const EnergyModel& energy_model) {
     DiscSizes sizes;
     sizes.radii_m = in.vector("/law/radii");
     sizes.spacing_m = mesh.embedding.spacing_m;
-    const Eigen::Index K = sizes.radii_m.size(), T = mesh.facets.rows(), V = law.disc.correction.value.cols();
-    if (!(sizes.radii_m.array() == law.disc_radius_m).any()) in.refuse("/law/radii", "do not include attribute 'disc_radius_m'");
+    const Eigen::Index K = sizes.radii_m.size(), T = mesh.facets.rows(), V = energy_model.disc.correction.value.cols();
+    if (!(sizes.radii_m.array() == energy_model.disc_radius_m).any()) in.refuse("/law/radii", "do not include attribute 'disc_radius_m'");
     if (in.has("/law/radius_corrections") != (V > 0)) in.refuse("/law/radius_corrections", "and lattice_correction belong together");
     if (V == 0) return sizes;
     const NodeField all = in.field("/law/radius_corrections");
@@ -87,43 +87,43 @@ DiscSizes read_sizes(TableReader& in, const SpringMesh& mesh, const EnergyModel&
 
 }  // namespace
 
-EnergyModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
-    TableReader in(file, law_table(mesh.is_solid()), {{"N", static_cast<std::size_t>(mesh.node_count())}});
-    EnergyModel law;
-    law.terms = in.texts("/law/terms");
-    law.coefficients = in.vector("/law/coefficients");
-    law.constants = in.vector("/law/constants");
+EnergyModel read_energy_model(const Hdf5Reader& file, const SpringMesh& mesh) {
+    TableReader in(file, energy_model_table(mesh.is_solid()), {{"N", static_cast<std::size_t>(mesh.node_count())}});
+    EnergyModel energy_model;
+    energy_model.terms = in.texts("/law/terms");
+    energy_model.coefficients = in.vector("/law/coefficients");
+    energy_model.constants = in.vector("/law/constants");
     const NodeField patch = in.field("/law/patch_log");
     const Eigen::Index rows = mesh.is_solid() ? ContactParameters::disc_rows : ContactParameters::hardening_row;
     if (patch.rows() != rows) in.refuse("/law/patch_log", fmt::format("has {} rows, must have {}", patch.rows(), rows));
     if (patch.cols() != ContactParameters::factors) in.refuse("/law/patch_log", fmt::format("has {} columns, must have {}", patch.cols(), ContactParameters::factors));
-    law.patch.log_N_m = patch;
-    law.patch.curve = contact_curve(law.terms);
+    energy_model.patch.log_N_m = patch;
+    energy_model.patch.curve = contact_curve(energy_model.terms);
     if (mesh.is_solid()) {
-        if (in.has("/law/ground")) law.disc.ground = in.field("/law/ground");
+        if (in.has("/law/ground")) energy_model.disc.ground = in.field("/law/ground");
         if (in.has("/law/curved_range")) {
             const Eigen::VectorXd range = in.vector("/law/curved_range");
             if (range.size() != 2) in.refuse("/law/curved_range", fmt::format("has {} values, must have 2", range.size()));
             if (!(range[0] <= range[1])) in.refuse("/law/curved_range", "must be [smallest, largest]");
-            law.disc.curved_range = range;
+            energy_model.disc.curved_range = range;
         }
         if (in.has("/law/lattice_correction")) {
-            NodeField& value = law.disc.correction.value = in.field("/law/lattice_correction");
+            NodeField& value = energy_model.disc.correction.value = in.field("/law/lattice_correction");
             if (value.rows() != mesh.facets.rows()) in.refuse("/law/lattice_correction", fmt::format("has {} rows, must have one for each of {} facets", value.rows(), mesh.facets.rows()));
             if (FacetTable::parts_of(value.cols()) == 0) in.refuse("/law/lattice_correction", fmt::format("has {} columns, must have (p + 1)(p + 2) / 2", value.cols()));
         }
-        law.disc_radius_m = file.number_attribute("/law", "disc_radius_m");
-        if (!(law.disc_radius_m > 0 && law.disc_radius_m < 1e3))
-            in.refuse("/law", fmt::format("attribute 'disc_radius_m' is {}, must be a number > 0", law.disc_radius_m));
+        energy_model.disc_radius_m = file.number_attribute("/law", "disc_radius_m");
+        if (!(energy_model.disc_radius_m > 0 && energy_model.disc_radius_m < 1e3))
+            in.refuse("/law", fmt::format("attribute 'disc_radius_m' is {}, must be a number > 0", energy_model.disc_radius_m));
         if (in.has("/law/radii")) {
             if (file.number_attribute("/", "format_version") < rows_format_version) in.refuse("/law/radii", "are of a format version below 11, whose contacts do not depend on the lattice's spacing; train the model again");
-            law.sizes = read_sizes(in, mesh, law);
+            energy_model.sizes = read_sizes(in, mesh, energy_model);
         }
     }
     const double incompressible = file.number_attribute("/law", "incompressible");
     if (incompressible != 0 && incompressible != 1)
         in.refuse("/law", fmt::format("attribute 'incompressible' is {}, must be 0 or 1", incompressible));
-    law.incompressible = incompressible == 1;
+    energy_model.incompressible = incompressible == 1;
     if (file.has_attribute("/law", "c2_share")) {
         const auto within = [&](const char* name, double least, double most) {
             const double value = file.number_attribute("/law", name);
@@ -132,27 +132,27 @@ EnergyModel read_law(const Hdf5Reader& file, const SpringMesh& mesh) {
         };
         const double share = within("c2_share", 0, 1), below = within("straight_below", 0.1, 0.99), above = within("straight_above", 1, 10);
         try {
-            law.curve = SpringCurve::mooney_rivlin(share, mesh.dimension(), below, above);
+            energy_model.curve = SpringCurve::mooney_rivlin(share, mesh.dimension(), below, above);
         } catch (const MismatchError& e) {
             in.refuse("/law", e.what());
         }
     }
-    if (in.has("/law/contact_log_scale")) law.contact_log_scale = in.vector("/law/contact_log_scale");
+    if (in.has("/law/contact_log_scale")) energy_model.contact_log_scale = in.vector("/law/contact_log_scale");
     if (in.has("/law/relaxation_time")) {
-        law.relaxation = {in.vector("/law/relaxation_time"), in.field("/law/share"), in.vector("/law/contact_share")};
-        if (law.relaxation.branches() > ToolMemory::most_branches)
-            in.refuse("/law/relaxation_time", fmt::format("are {}, more than {}", law.relaxation.branches(), ToolMemory::most_branches));
-        if (!(law.relaxation.share.rowwise().sum().maxCoeff() < 1)) in.refuse("/law/share", "sum to 1 or more in a row");
-        if (!(law.relaxation.contact_share.sum() < 1)) in.refuse("/law/contact_share", "sum to 1 or more");
+        energy_model.relaxation = {in.vector("/law/relaxation_time"), in.field("/law/share"), in.vector("/law/contact_share")};
+        if (energy_model.relaxation.branches() > ToolMemory::most_branches)
+            in.refuse("/law/relaxation_time", fmt::format("are {}, more than {}", energy_model.relaxation.branches(), ToolMemory::most_branches));
+        if (!(energy_model.relaxation.share.rowwise().sum().maxCoeff() < 1)) in.refuse("/law/share", "sum to 1 or more in a row");
+        if (!(energy_model.relaxation.contact_share.sum() < 1)) in.refuse("/law/contact_share", "sum to 1 or more");
     }
     try {
-        const int wanted = TissueEnergy(mesh, law.incompressible, law.curve).constant_count();
-        if (law.constants.size() != wanted)
-            in.refuse("/law/constants", fmt::format("are {}, must be {} for this mesh", law.constants.size(), wanted));
+        const int wanted = TissueEnergy(mesh, energy_model.incompressible, energy_model.curve).constant_count();
+        if (energy_model.constants.size() != wanted)
+            in.refuse("/law/constants", fmt::format("are {}, must be {} for this mesh", energy_model.constants.size(), wanted));
     } catch (const MismatchError& e) {
         in.refuse("/mesh", e.what());
     }
-    return law;
+    return energy_model;
 }
 
 }  // namespace tissue

@@ -112,8 +112,8 @@ EnergyModelHeuristic solid_heuristic(const SpringMesh& mesh, const Eigen::Vector
     if (!(volume_cap > 1.0 / 3)) throw MismatchError(fmt::format("a volume cap of {} E must be above E / 3", volume_cap));
     EnergyModelHeuristic h;
     h.cap = volume_cap * cell_modulus_Pa;
-    Eigen::VectorXd supports = support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * held_areas(mesh);
-    if (support_modulus_Pa.size() > 0) supports = support_stiffness / mesh.embedding.spacing_m * held_areas(mesh).cwiseProduct(support_modulus_Pa);
+    Eigen::VectorXd supports = support_stiffness * surface_modulus_Pa / mesh.embedding.spacing_m * fixed_areas(mesh);
+    if (support_modulus_Pa.size() > 0) supports = support_stiffness / mesh.embedding.spacing_m * fixed_areas(mesh).cwiseProduct(support_modulus_Pa);
     h.constants.resize(mesh.spring_count() + h.cap.size() + supports.size());
     const Eigen::VectorXd measure = isotropic_measure(mesh), unit = heuristic_stiffness(mesh, 1.0).cwiseProduct(measure).cwiseQuotient(mesh.incident_measure);
     // the measures sum to six times the volume
@@ -162,15 +162,15 @@ bool is_size_term(const std::string& term) {
     return parts.size() == 3 && parts[0] == "contact" && parts[2] == "size";
 }
 
-ContactParameters resized(ContactParameters law, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double own_m, double spacing_m, double log_times) {
-    law.log_N_m.col(0) += start_of_disc(1, own_m * std::exp(log_times), spacing_m) - start_of_disc(1, own_m, spacing_m);
+ContactParameters resized(ContactParameters contact_parameters, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double own_m, double spacing_m, double log_times) {
+    contact_parameters.log_N_m.col(0) += start_of_disc(1, own_m * std::exp(log_times), spacing_m) - start_of_disc(1, own_m, spacing_m);
     for (std::size_t t = 0; t < terms.size(); ++t) {
         if (!is_size_term(terms[t])) continue;
         const std::string name = split(terms[t])[1];
         const auto row = std::find(disc_rows.begin(), disc_rows.end(), name == softening || name == compression ? "hardening" : name);
-        if (row != disc_rows.end()) law.log_N_m(row - disc_rows.begin(), 0) += p[static_cast<Eigen::Index>(t)] * log_times;
+        if (row != disc_rows.end()) contact_parameters.log_N_m(row - disc_rows.begin(), 0) += p[static_cast<Eigen::Index>(t)] * log_times;
     }
-    return law;
+    return contact_parameters;
 }
 
 EnergyModelTerms::EnergyModelTerms(const SpringMesh& mesh, const EnergyModelHeuristic& heuristic, const std::vector<std::string>& terms)
@@ -246,11 +246,11 @@ Eigen::MatrixXd EnergyModelTerms::constants_by(const Eigen::VectorXd& p) const {
 }
 
 ContactParameters EnergyModelTerms::patch(const Eigen::VectorXd& p, double log_times) const {
-    ContactParameters law = heuristic_.patch;
-    law.curve = curve_;
+    ContactParameters contact_parameters = heuristic_.patch;
+    contact_parameters.curve = curve_;
     for (std::size_t t = 0; t < on_patch_.size(); ++t)
-        if (on_patch_[t].first >= 0 && on_patch_[t].second != size_factor) law.log_N_m(on_patch_[t].first, on_patch_[t].second) += p[static_cast<Eigen::Index>(t)];
-    return log_times == 0 ? law : resized(law, terms_, p, heuristic_.disc_radius_m, heuristic_.spacing_m, log_times);
+        if (on_patch_[t].first >= 0 && on_patch_[t].second != size_factor) contact_parameters.log_N_m(on_patch_[t].first, on_patch_[t].second) += p[static_cast<Eigen::Index>(t)];
+    return log_times == 0 ? contact_parameters : resized(contact_parameters, terms_, p, heuristic_.disc_radius_m, heuristic_.spacing_m, log_times);
 }
 
 Eigen::MatrixXd EnergyModelTerms::stiffness_by(const Eigen::VectorXd& p, const ContactFactors& factors, double log_scale, double log_times) const {

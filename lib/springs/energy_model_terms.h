@@ -86,7 +86,7 @@ Eigen::VectorXd springs_alone(const SpringMesh& mesh, const Eigen::VectorXd& con
 /// Contact parameters of a disc that is exp(log_times) times as large as own_m [m], on a lattice with cube edge
 /// spacing_m. The rows change as their start does (springs/disc_rows.h). Terms with the factor `size` add their
 /// coefficients p (P) times log_times.
-ContactParameters resized(ContactParameters law, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double own_m, double spacing_m, double log_times);
+ContactParameters resized(ContactParameters contact_parameters, const std::vector<std::string>& terms, const Eigen::VectorXd& p, double own_m, double spacing_m, double log_times);
 /// Whether a term has the factor `size`.
 bool is_size_term(const std::string& term);
 

@@ -81,7 +81,7 @@ void EquilibriumSolver::lay_out(const std::vector<std::pair<int, int>>& coupled)
 void EquilibriumSolver::make_room() {
     if (every_contact_) return;
     std::vector<std::vector<int>> nodes;
-    for (const PressedTool& tool : tools_) nodes.push_back(tool.contact.rows.nodes);
+    for (const DisplacedTool& tool : tools_) nodes.push_back(tool.contact.rows.nodes);
     if (room_for_ == nodes) return;
     std::vector<std::pair<int, int>> coupled;
     for (const std::vector<int>& of_tool : nodes)
@@ -132,7 +132,7 @@ bool EquilibriumSolver::factorise(const Eigen::VectorXd& constants, const NodeFi
                     if (*slot >= 0) H_.valuePtr()[*slot] += constant * unit(a, b);
         }
     }
-    for (const PressedTool& tool : tools_) {
+    for (const DisplacedTool& tool : tools_) {
         const ContactSpring& contact = tool.contact;
         const Eigen::MatrixXd block = contact.tangent(tool.push_m, contact.gather(u));
         const auto dof = [&](Eigen::Index k) {
@@ -164,11 +164,11 @@ bool EquilibriumSolver::balance(const Eigen::VectorXd& constants, NodeField& u, 
     return false;
 }
 
-EquilibriumState EquilibriumSolver::press(const Eigen::VectorXd& constants, std::vector<PressedTool> tools, const EquilibriumState* from) {
+EquilibriumState EquilibriumSolver::indent(const Eigen::VectorXd& constants, std::vector<DisplacedTool> tools, const EquilibriumState* from) {
     const int D = energy_.dimension();
     if (tools.empty()) throw MismatchError("at least one tool is needed");
     if (from && from->others.size() + 1 > tools.size()) throw MismatchError("the start has more tools than the equilibrium");
-    for (const PressedTool& tool : tools) {
+    for (const DisplacedTool& tool : tools) {
         const std::vector<int>& nodes = tool.contact.rows.nodes;
         if (std::all_of(nodes.begin(), nodes.end(), [&](int node) { return number_[static_cast<std::size_t>(D * node)] < 0; }))
             throw FixedContactError("the contact is on the fixed edge");
@@ -225,7 +225,7 @@ EquilibriumState EquilibriumSolver::press(const Eigen::VectorXd& constants, std:
 }
 
 /// The only tool, for derivatives; throws MismatchError if there are several.
-const PressedTool& EquilibriumSolver::the_tool() const {
+const DisplacedTool& EquilibriumSolver::the_tool() const {
     if (tools_.size() != 1) throw MismatchError("derivatives are supported for one tool only");
     return tools_.front();
 }

@@ -37,7 +37,7 @@ struct SolverOptions {
 };
 
 /// Contact of a tool, and its displacement.
-struct PressedTool {
+struct DisplacedTool {
     ContactSpring contact;
     Point push_m;  ///< d (D)
 };
@@ -83,17 +83,17 @@ class EquilibriumSolver {
     /// an equilibrium of other constants at the same displacement; it is then a first guess. If a step fails, the
     /// result is the last equilibrium that was reached, with status `no_equilibrium`. Throws FixedContactError where all nodes of
     /// a contact are fixed.
-    EquilibriumState press(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
+    EquilibriumState indent(const Eigen::VectorXd& constants, const ContactSpring& contact, const Point& push_m,
                      const EquilibriumState* from = nullptr) {
-        return press(constants, {{contact, push_m}}, from);
+        return indent(constants, {{contact, push_m}}, from);
     }
 
     /// The same for one or several tools, whose displacements grow in proportion. `from` has the first of these tools
     /// in the same order; the others start from zero displacement. Throws MismatchError for no tool, or if `from` has
     /// more tools.
-    EquilibriumState press(const Eigen::VectorXd& constants, std::vector<PressedTool> tools, const EquilibriumState* from = nullptr);
+    EquilibriumState indent(const Eigen::VectorXd& constants, std::vector<DisplacedTool> tools, const EquilibriumState* from = nullptr);
 
-    /// du/dp = -H^-1 dg/dp at the state where the last press() ended, at prescribed displacement (implicit function
+    /// du/dp = -H^-1 dg/dp at the state where the last indent() ended, at prescribed displacement (implicit function
     /// theorem). constants_by (E x P) and stiffness_by (K x P, the rows of ContactParameters): derivatives by p. It uses the
     /// last factorisation of H. Throws MismatchError for several tools.
     EquilibriumDerivative derivative(const Eigen::MatrixXd& constants_by, const Eigen::MatrixXd& stiffness_by) const;
@@ -106,7 +106,7 @@ class EquilibriumSolver {
     bool balance(const Eigen::VectorXd& constants, NodeField& u, int& iterations);
     double out_of_balance(const Eigen::VectorXd& constants, const NodeField& u, Eigen::VectorXd& g) const;
     bool factorise(const Eigen::VectorXd& constants, const NodeField& u);
-    const PressedTool& the_tool() const;
+    const DisplacedTool& the_tool() const;
     double* entry(int row, int column);
     void lay_out(const std::vector<std::pair<int, int>>& coupled);
     void make_room();
@@ -125,9 +125,9 @@ class EquilibriumSolver {
     /// by kind: position in H of each entry of each element's tangent; -1: none
     std::vector<std::vector<int>> slots_;
     SparseFactor factor_;
-    /// at their current displacements; after press() at those where it ended
-    std::vector<PressedTool> tools_;
-    NodeField u_;                           ///< displacement where the last press() ended
+    /// at their current displacements; after indent() at those where it ended
+    std::vector<DisplacedTool> tools_;
+    NodeField u_;                           ///< displacement where the last indent() ended
 };
 
 }  // namespace tissue

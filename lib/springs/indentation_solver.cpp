@@ -7,7 +7,7 @@
 #include "error.h"
 #include "springs/contact_errors.h"
 #include "springs/energy_model_at_radius.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 
 namespace tissue {
 
@@ -25,8 +25,8 @@ EquilibriumStatus status_of(SolverStatus status) {
     return EquilibriumStatus::not_converged;
 }
 
-IndentationSolver::IndentationSolver(const SpringMesh& mesh, EnergyModel law)
-    : law_(std::move(law)), energy_(mesh, law_), mesh_(mesh), kernel_(make_contact_kernel(mesh, law_)) {}
+IndentationSolver::IndentationSolver(const SpringMesh& mesh, EnergyModel energy_model)
+    : law_(std::move(energy_model)), energy_(mesh, law_), mesh_(mesh), kernel_(make_contact_kernel(mesh, law_)) {}
 
 const IndentationSolver& IndentationSolver::of(double radius_m) const {
     if (radius_m == 0 || radius_m == law_.disc_radius_m) return *this;
@@ -73,9 +73,9 @@ ToolsEquilibrium IndentationSolver::at(const std::vector<ToolPush>& tools) const
     const int D = energy_.dimension();
     ToolsEquilibrium answer{NodeField::Zero(energy_.node_count(), D), std::vector<Eigen::VectorXd>(tools.size(), Eigen::VectorXd::Zero(D)), EquilibriumStatus::contact_fixed};
     try {
-        std::vector<PressedTool> pressed;
+        std::vector<DisplacedTool> pressed;
         for (const ToolPush& tool : tools) pressed.push_back({ContactSpring(kernel_->rows_at(tool.contact_m), law_.patch), tool.push_m});
-        EquilibriumState state = solver->press(law_.constants, std::move(pressed));
+        EquilibriumState state = solver->indent(law_.constants, std::move(pressed));
         answer = {std::move(state.displacement), {state.contact_force_N}, status_of(state.status)};
         for (const EquilibriumState::OtherTool& other : state.others) answer.contact_force.emplace_back(other.contact_force_N);
     } catch (const FixedContactError&) {
@@ -88,7 +88,7 @@ ToolsEquilibrium IndentationSolver::at(const std::vector<ToolPush>& tools) const
     return answer;
 }
 
-NodeField IndentationSolver::seen(const Point& contact_m, const Point& push_m, NodeField displacement_m) const {
+NodeField IndentationSolver::displayed(const Point& contact_m, const Point& push_m, NodeField displacement_m) const {
     const SkinParameters skin = law_.skin();
     for (const SkinNode& at : kernel_->skin_at(contact_m))
         displacement_m.row(at.node) = at.shown(displacement_m.row(at.node).transpose(), skin, push_m).transpose();

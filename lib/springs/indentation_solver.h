@@ -34,7 +34,7 @@ struct ToolsEquilibrium {
 /// constants that TissueEnergy or the contact kernel refuses.
 class IndentationSolver {
    public:
-    IndentationSolver(const SpringMesh& mesh, EnergyModel law);
+    IndentationSolver(const SpringMesh& mesh, EnergyModel energy_model);
 
     /// `model` must have an energy model; this is not checked.
     explicit IndentationSolver(const TissueModel& model) : IndentationSolver(model.mesh, *model.energy_model) {}
@@ -57,7 +57,7 @@ class IndentationSolver {
 
     /// Displacement of such a result as it is displayed: the skin at a disc (springs/skin.h), elsewhere that of the
     /// nodes.
-    NodeField seen(const Point& contact_m, const Point& push_m, NodeField displacement_m) const;
+    NodeField displayed(const Point& contact_m, const Point& push_m, NodeField displacement_m) const;
 
    private:
     void refuse_overlap(const std::vector<ToolPush>& tools) const;

@@ -15,7 +15,7 @@
 #include "springs/contact_errors.h"
 #include "springs/contact_spring.h"
 #include "springs/energy_model_terms.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 #include "springs/sparse_factor.h"
 #include "springs/tissue_energy.h"
 
@@ -37,10 +37,10 @@ struct Stiffness {
 /// Compliance of a lattice at rest between those of its nodes that contacts couple.
 class NodeCompliance {
    public:
-    NodeCompliance(const SpringMesh& mesh, const EnergyModel& law, const std::vector<int>& nodes) : number_(static_cast<std::size_t>(mesh.node_count()), -1) {
+    NodeCompliance(const SpringMesh& mesh, const EnergyModel& energy_model, const std::vector<int>& nodes) : number_(static_cast<std::size_t>(mesh.node_count()), -1) {
         const int own = mesh.embedding.node_count(), lattice = mesh.node_count() - own;
         SparseFactor factor;
-        const SparseFactor::Matrix K = TissueEnergy(mesh, law).tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)).bottomRightCorner(3 * lattice, 3 * lattice);
+        const SparseFactor::Matrix K = TissueEnergy(mesh, energy_model).tangent(energy_model.constants, NodeField::Zero(mesh.node_count(), 3)).bottomRightCorner(3 * lattice, 3 * lattice);
         factor.analyse(K);
         if (!factor.factorise(K) || !factor.is_definite()) throw MismatchError("the lattice has zero-energy modes");
         const auto U = static_cast<Eigen::Index>(nodes.size());
@@ -91,10 +91,10 @@ Stiffness stiffness_of(const ContactSpring& contact, const NodeCompliance& compl
 /// By disc and place; empty where there is no contact.
 using Stiffnesses = std::vector<std::vector<std::optional<Stiffness>>>;
 
-Stiffnesses stiffness_at(const SpringMesh& mesh, const EnergyModel& law, const std::vector<Point>& places, const Eigen::VectorXd& radii_m) {
+Stiffnesses stiffness_at(const SpringMesh& mesh, const EnergyModel& energy_model, const std::vector<Point>& places, const Eigen::VectorXd& radii_m) {
     const auto K = static_cast<std::size_t>(radii_m.size());
     std::vector<std::unique_ptr<ContactKernel>> kernels;
-    for (double radius_m : radii_m) kernels.push_back(make_contact_kernel(mesh, radius_m, {law.disc.ground, law.disc.curved_range, {}}));
+    for (double radius_m : radii_m) kernels.push_back(make_contact_kernel(mesh, radius_m, {energy_model.disc.ground, energy_model.disc.curved_range, {}}));
     std::vector<char> touched(static_cast<std::size_t>(mesh.node_count()), 0);
     std::vector<std::vector<char>> has_contact(K, std::vector<char>(places.size(), 0));
     for (std::size_t k = 0; k < K; ++k)
@@ -106,11 +106,11 @@ Stiffnesses stiffness_at(const SpringMesh& mesh, const EnergyModel& law, const s
     std::vector<int> nodes;
     for (int node = 0; node < mesh.node_count(); ++node)
         if (touched[static_cast<std::size_t>(node)]) nodes.push_back(node);
-    const NodeCompliance compliance(mesh, law, nodes);
+    const NodeCompliance compliance(mesh, energy_model, nodes);
     Stiffnesses stiffness(K, std::vector<std::optional<Stiffness>>(places.size()));
     for (std::size_t k = 0; k < K; ++k) {
-        const double log_times = std::log(radii_m[static_cast<Eigen::Index>(k)] / law.disc_radius_m);
-        const ContactParameters patch = log_times == 0 ? law.patch : resized(law.patch, law.terms, law.coefficients, law.disc_radius_m, mesh.embedding.spacing_m, log_times);
+        const double log_times = std::log(radii_m[static_cast<Eigen::Index>(k)] / energy_model.disc_radius_m);
+        const ContactParameters patch = log_times == 0 ? energy_model.patch : resized(energy_model.patch, energy_model.terms, energy_model.coefficients, energy_model.disc_radius_m, mesh.embedding.spacing_m, log_times);
         // rows are computed again: those of all places would take gigabytes
         for (std::size_t p = 0; p < places.size(); ++p)
             if (has_contact[k][p]) stiffness[k][p] = stiffness_of(ContactSpring(kernels[k]->rows_at(places[p]), patch), compliance);
@@ -120,7 +120,7 @@ Stiffnesses stiffness_at(const SpringMesh& mesh, const EnergyModel& law, const s
 
 }  // namespace
 
-std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh& mesh, const std::function<EnergyModel(const SpringMesh&)>& law_on, const Eigen::VectorXd& radii_m, int threads) {
+std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh& mesh, const std::function<EnergyModel(const SpringMesh&)>& energy_model_on, const Eigen::VectorXd& radii_m, int threads) {
     if (mesh.node_count() - mesh.embedding.node_count() > most_nodes) return {};
     const FreeSurface surface(mesh);
     const double h = mesh.embedding.spacing_m;
@@ -151,13 +151,13 @@ std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh
     parallel_for(4, std::min(threads, at_once), [&](int i) {
         const auto n = static_cast<std::size_t>(i);
         if (i == 0) {
-            stiffness[n] = stiffness_at(mesh, law_on(mesh), places, radii_m);
+            stiffness[n] = stiffness_at(mesh, energy_model_on(mesh), places, radii_m);
             return;
         }
         stiffness[n].assign(K, std::vector<std::optional<Stiffness>>(places.size()));
         try {
             const SpringMesh shifted = shifted_lattice(shape, h, shifts[n]);
-            stiffness[n] = stiffness_at(shifted, law_on(shifted), places, radii_m);
+            stiffness[n] = stiffness_at(shifted, energy_model_on(shifted), places, radii_m);
         // shifted lattice too coarse for the solid or its inclusion: no correction
         } catch (const Error&) {
         }

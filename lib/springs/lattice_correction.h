@@ -21,7 +21,7 @@ namespace tissue {
 /// places without a contact on one of the four lattices. All places have 0 if a shifted lattice of the solid does not
 /// exist. No tables for a lattice of more than 10,000 nodes, because the compliance between its nodes would take
 /// gigabytes.
-/// law_on: makes constants and contact on each of these lattices; two threads call it at once.
-std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh& mesh, const std::function<EnergyModel(const SpringMesh&)>& law_on, const Eigen::VectorXd& radii_m, int threads);
+/// energy_model_on: makes constants and contact on each of these lattices; two threads call it at once.
+std::vector<FacetTable> lattice_corrections(const Shape& shape, const SpringMesh& mesh, const std::function<EnergyModel(const SpringMesh&)>& energy_model_on, const Eigen::VectorXd& radii_m, int threads);
 
 }  // namespace tissue

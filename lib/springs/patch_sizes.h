@@ -20,7 +20,7 @@ class PatchSizes {
     PatchSizes() = default;
     /// Throws MismatchError for an energy model without a disc. For one with a single disc radius, at() returns NaN and
     /// must not be called.
-    explicit PatchSizes(const EnergyModel& law);
+    explicit PatchSizes(const EnergyModel& energy_model);
 
     ContactParameters at(double radius_m) const noexcept {
         ContactParameters law = own_;

@@ -8,15 +8,15 @@ namespace tissue {
 
 PolarPoints::PolarPoints(const SpringMesh& mesh, double reach)
     : search_(mesh.nodes, mesh.embedding.cubes, mesh.embedding.spacing_m), cubes_(mesh.embedding.cubes), reach_(reach), spacing_m_(mesh.embedding.spacing_m) {
-    Eigen::Vector3d held = Eigen::Vector3d::Zero();  // twice the area vector of the fixed surface, outward
+    Eigen::Vector3d fixed_area = Eigen::Vector3d::Zero();  // twice the area vector of the fixed surface, outward
     for (Eigen::Index f = 0; f < mesh.facets.rows(); ++f) {
         const auto facet = mesh.facets.row(f);
         if (!std::all_of(facet.begin(), facet.end(), [&](int node) { return std::binary_search(mesh.fixed.begin(), mesh.fixed.end(), node); })) continue;
         const Eigen::Vector3d a = mesh.nodes.row(facet[0]), b = mesh.nodes.row(facet[1]), c = mesh.nodes.row(facet[2]);
-        held += (b - a).cross(c - a);
+        fixed_area += (b - a).cross(c - a);
     }
-    if (!(held.norm() > 0)) held = -Eigen::Vector3d::UnitZ();
-    axes_ = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -held).toRotationMatrix();
+    if (!(fixed_area.norm() > 0)) fixed_area = -Eigen::Vector3d::UnitZ();
+    axes_ = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -fixed_area).toRotationMatrix();
 
     constexpr double pi = 3.14159265358979323846;
     constexpr int rings = 3;

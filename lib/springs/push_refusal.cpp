@@ -13,8 +13,8 @@ namespace {
 constexpr double outward = -1e-6;
 
 bool near_held_facet(const SpringMesh& mesh, const FreeSurface& surface, const Point& contact_m, double off_surface_m) {
-    for (Eigen::Index f = 0; f < surface.held_facets().rows(); ++f)
-        if (nearest_on_facet(mesh.nodes, surface.held_facets(), f, contact_m).distance_m <= off_surface_m) return true;
+    for (Eigen::Index f = 0; f < surface.fixed_facets_of_surface().rows(); ++f)
+        if (nearest_on_facet(mesh.nodes, surface.fixed_facets_of_surface(), f, contact_m).distance_m <= off_surface_m) return true;
     return false;
 }
 

@@ -19,17 +19,17 @@ NodeField relaxed(const Eigen::VectorXd& time_s, const NodeField& force_N, const
     return out;
 }
 
-EnergyModel instantaneous(const EnergyModel& law) {
-    EnergyModel now = law;
+EnergyModel instantaneous(const EnergyModel& energy_model) {
+    EnergyModel now = energy_model;
     now.relaxation = {};
     return now;
 }
 
-EnergyModel long_term(const EnergyModel& law) {
-    EnergyModel later = instantaneous(law);
-    if (law.relaxation.empty()) return later;
-    later.constants.array() *= 1 - law.relaxation.share.rowwise().sum().array();
-    const double left = std::log(1 - law.relaxation.contact_share.sum());
+EnergyModel long_term(const EnergyModel& energy_model) {
+    EnergyModel later = instantaneous(energy_model);
+    if (energy_model.relaxation.empty()) return later;
+    later.constants.array() *= 1 - energy_model.relaxation.share.rowwise().sum().array();
+    const double left = std::log(1 - energy_model.relaxation.contact_share.sum());
     // hardening and saturation are per energy: they scale with the inverse
     for (Eigen::Index row = 0; row < later.patch.log_N_m.rows(); ++row)
         later.patch.log_N_m(row, 0) += row == ContactParameters::hardening_row || row == ContactParameters::saturation_row ? -left : left;

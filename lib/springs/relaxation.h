@@ -30,9 +30,9 @@ struct Relaxation {
 NodeField relaxed(const Eigen::VectorXd& time_s, const NodeField& force_N, const Eigen::VectorXd& tau_s, const Eigen::VectorXd& share);
 
 /// Energy model of the long-term response: every constant times 1 - sum g, without relaxation.
-EnergyModel long_term(const EnergyModel& law);
+EnergyModel long_term(const EnergyModel& energy_model);
 
 /// Energy model of the instantaneous response, without relaxation.
-EnergyModel instantaneous(const EnergyModel& law);
+EnergyModel instantaneous(const EnergyModel& energy_model);
 
 }  // namespace tissue

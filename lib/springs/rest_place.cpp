@@ -15,7 +15,7 @@ namespace tissue {
 RestPlaces::RestPlaces(const SpringMesh& mesh) : mesh_(mesh) {
     const FreeSurface surface(mesh);
     free_ = surface.facets();
-    held_ = surface.held_facets();
+    fixed_ = surface.fixed_facets_of_surface();
     spacing_m_ = surface.spacing_m();
     const Eigen::VectorXd low = mesh.own_nodes().colwise().minCoeff().transpose(), high = mesh.own_nodes().colwise().maxCoeff().transpose();
     centre_m_ = (low + high) / 2;
@@ -104,10 +104,10 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
     if (name == "layer") return each([&](Eigen::Index e) { return std::exp(-nearest_free(nodes)[static_cast<std::size_t>(e)].distance_m / spacing_m_); });
     if (name == "held" && !solid)
         return each([&](Eigen::Index e) {
-            Eigen::Index held = 0;
+            Eigen::Index fixed_count = 0;
             for (Eigen::Index k = 0; k < nodes.cols(); ++k)
-                held += std::binary_search(mesh_.fixed.begin(), mesh_.fixed.end(), nodes(e, k));
-            return held > 0 && held < nodes.cols() ? 1.0 : 0.0;
+                fixed_count += std::binary_search(mesh_.fixed.begin(), mesh_.fixed.end(), nodes(e, k));
+            return fixed_count > 0 && fixed_count < nodes.cols() ? 1.0 : 0.0;
         });
     const int up = mesh_.dimension() - 1;
     if (name[0] >= 'x' && name[0] <= 'x' + up && name.size() <= 2) {
@@ -133,7 +133,7 @@ Eigen::VectorXd RestPlaces::factor(const std::string& name, const Cells& nodes) 
         if (name == "across")
             return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest_free(nodes)[static_cast<std::size_t>(e)].along); });
         if (name == "upright")
-            return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest(held_, middle(nodes, e)).along); });
+            return each([&](Eigen::Index e) { return 1 - squared_cosine(nodes, e, nearest(fixed_, middle(nodes, e)).along); });
         const bool diagonals = solid ? name == "face" || name == "body" : name == "diagonal";
         if (cells && (name == "horizontal" || name == "vertical" || diagonals))
             return each([&](Eigen::Index e) {

@@ -32,7 +32,7 @@ class RestPlaces {
     int axes_of(const Cells& nodes, Eigen::Index e, int& first) const;  ///< number of axes along which a spring runs
 
     const SpringMesh& mesh_;
-    Cells free_, held_;               ///< facets
+    Cells free_, fixed_;               ///< facets
     double spacing_m_;                ///< mean spacing of the free surface's nodes [m]
     Eigen::VectorXd centre_m_, half_size_m_;
     /// cache by the number of columns: many terms use it

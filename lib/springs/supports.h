@@ -19,11 +19,11 @@ class Supports final : public Elements {
     void tangent(int e, const NodeField& u, ElementMatrix& out) const override;
 
    private:
-    std::vector<int> held_;  ///< fixed nodes of the solid (M)
+    std::vector<int> fixed_;  ///< fixed nodes of the solid (M)
     Embedding embedding_;
 };
 
 /// Area of the fixed surface per fixed node: a third of each adjacent fixed facet [m^2] (M).
-Eigen::VectorXd held_areas(const SpringMesh& mesh);
+Eigen::VectorXd fixed_areas(const SpringMesh& mesh);
 
 }  // namespace tissue

@@ -44,8 +44,8 @@ TissueEnergy::TissueEnergy(const SpringMesh& mesh, bool incompressible, const Sp
     for (const auto& kind : kinds_) first_.push_back(first_.back() + kind->count());
 }
 
-TissueEnergy::TissueEnergy(const SpringMesh& mesh, const EnergyModel& law) : TissueEnergy(mesh, law.incompressible, law.curve) {
-    if (law.constants.size() != constant_count()) throw MismatchError(fmt::format("the energy model has {} constants, must have {} for this mesh", law.constants.size(), constant_count()));
+TissueEnergy::TissueEnergy(const SpringMesh& mesh, const EnergyModel& energy_model) : TissueEnergy(mesh, energy_model.incompressible, energy_model.curve) {
+    if (energy_model.constants.size() != constant_count()) throw MismatchError(fmt::format("the energy model has {} constants, must have {} for this mesh", energy_model.constants.size(), constant_count()));
 }
 
 double TissueEnergy::energy(const Eigen::VectorXd& constants, const NodeField& u) const {

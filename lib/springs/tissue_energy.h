@@ -37,7 +37,7 @@ class TissueEnergy {
     TissueEnergy(const SpringMesh& mesh, bool incompressible, const SpringCurve& curve = {});
 
     /// Energy of an energy model on its mesh. Throws MismatchError where the model has another number of constants.
-    TissueEnergy(const SpringMesh& mesh, const EnergyModel& law);
+    TissueEnergy(const SpringMesh& mesh, const EnergyModel& energy_model);
 
     const std::vector<std::unique_ptr<Elements>>& kinds() const { return kinds_; }
     int first_of(std::size_t kind) const { return first_[kind]; }  ///< index of its first constant

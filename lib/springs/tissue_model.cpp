@@ -210,7 +210,7 @@ void write_tissue(Hdf5Writer& file, const TissueModel& model) {
     if (model.contact_force_N.rows() > 0) out.write("/cases/contact_force", model.contact_force_N);
     if (model.case_radius_m.size() > 0) out.write("/cases/radius", model.case_radius_m);
     if (model.energy_model)
-        write_law(file, *model.energy_model);
+        write_energy_model(file, *model.energy_model);
     else
         write_sets(file, model);
 }
@@ -222,7 +222,7 @@ int format_of(const TissueModel& model) {
     if (!model.mesh.embedding.empty()) return embedded_format_version;
     if (model.energy_model && model.energy_model->contact_log_scale.size() > 0) return adapted_format_version;
     if (model.energy_model && !model.energy_model->relaxation.empty()) return time_format_version;
-    return model.energy_model ? law_format_version : format_version;
+    return model.energy_model ? energy_model_format_version : format_version;
 }
 
 void write_model(const std::string& file, const TissueModel& model, const Provenance& provenance) {
@@ -277,7 +277,7 @@ TissueModel read_model(const Hdf5Reader& file) {
     if (solid && in.has("/cases/radius")) model.case_radius_m = in.vector("/cases/radius");
     if (in.has("/cases/contact_force")) model.contact_force_N = in.field("/cases/contact_force");
     if (file.has("/law"))
-        model.energy_model = read_law(file, mesh);
+        model.energy_model = read_energy_model(file, mesh);
     else
         read_sets(in, model);
     const Eigen::VectorXd radii_m = model.energy_model ? model.energy_model->sizes.radii_m : Eigen::VectorXd();

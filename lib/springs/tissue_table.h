@@ -10,6 +10,6 @@ const DatasetTable& tissue_table(bool solid = false);
 
 /// Datasets of a model with spring sets, and of one with an energy model.
 const DatasetTable& sets_table();
-const DatasetTable& law_table(bool solid = false);
+const DatasetTable& energy_model_table(bool solid = false);
 
 }  // namespace tissue

@@ -52,7 +52,7 @@ const std::vector<std::string> sets_keys = {"training.optimizer",   "training.al
                                             "training.ridge",       "training.iterations",      "training.max_seconds",
                                             "training.target_rel_loss", "training.k_min_E2",    "training.k_max_E2",
                                             "training.weight_near", "training.weight_far"};
-const std::vector<std::string> law_keys = {"training.force_scale", "training.shape_scale", "training.starts", "training.ridge"};
+const std::vector<std::string> energy_model_keys = {"training.force_scale", "training.shape_scale", "training.starts", "training.ridge"};
 
 std::vector<std::string> operator+(std::vector<std::string> a, const std::vector<std::string>& b) {
     a.insert(a.end(), b.begin(), b.end());
@@ -99,7 +99,7 @@ const std::vector<Rule>& rules() {
          }},
         {{"`springs.stiffness` = \"law\"", std::vector<std::string>{"springs.law", "variants"} + sets_keys, "they belong to spring sets"},
          gives("springs.stiffness", "law")},
-        {{"`springs.stiffness` = \"sets\"", std::vector<std::string>{"springs.terms", "springs.area_cap_E2", "springs.curve", "variants"} + law_keys,
+        {{"`springs.stiffness` = \"sets\"", std::vector<std::string>{"springs.terms", "springs.area_cap_E2", "springs.curve", "variants"} + energy_model_keys,
           "they belong to an energy model"},
          gives("springs.stiffness", "sets")},
         {{"`nodule.shape`", {"nodule.centre_m", "nodule.radius_m"}, "they belong to a ball"}, gives("nodule.shape")},

@@ -90,11 +90,11 @@ void check_held(const ShapeExtent& shape, const NewStudy& wanted) {
     const std::string there = !shape.boundaries.empty() ? fmt::format("its names: {}", fmt::join(shape.boundaries, ", "))
                               : unnamed_stl ? "it has no names: parts between edges that turn by more than 40 degrees are surface-1 (the largest), surface-2, ..."
                                             : fmt::format("it has no names: name its physical {}s in gmsh", what);
-    if (wanted.held.empty()) throw MismatchError(fmt::format("{}: --held must name the {}s that are fixed; {}{}", wanted.shape, what, there, shape.solid ? "; or give a region in m: --held 'below z = 0.01'" : ""));
-    for (const std::string& name : wanted.held)
+    if (wanted.fixed.empty()) throw MismatchError(fmt::format("{}: --held must name the {}s that are fixed; {}{}", wanted.shape, what, there, shape.solid ? "; or give a region in m: --held 'below z = 0.01'" : ""));
+    for (const std::string& name : wanted.fixed)
         if (const auto other = FixedRegion::within(name)) refuse_vtk(other->file);
     std::vector<std::string> names;
-    for (const std::string& name : wanted.held) {
+    for (const std::string& name : wanted.fixed) {
         if (shape.solid && FixedRegion::of(name, read_other_surface, wanted.unit_m)) continue;
         names.push_back(name);
         const bool may_be = unnamed_stl ? is_part_name(name) : std::find(shape.boundaries.begin(), shape.boundaries.end(), name) != shape.boundaries.end();
@@ -113,7 +113,7 @@ void check_regions(const ShapeExtent& shape, const NewStudy& wanted) {
     constexpr int along = 20;
     const Eigen::Vector3d low = wanted.unit_m * Eigen::Vector3d(shape.low->data()), high = wanted.unit_m * Eigen::Vector3d(shape.high->data());
     const double near_m = (high - low).norm() / along / 2;  // largest distance of a point of the box from a sample
-    for (const std::string& name : wanted.held) {
+    for (const std::string& name : wanted.fixed) {
         const auto region = FixedRegion::of(name, read_other_surface, wanted.unit_m);
         if (!region) continue;
         double least_m = std::numeric_limits<double>::infinity(), most_m = -least_m;
@@ -147,7 +147,7 @@ std::string head(const ShapeExtent& shape, const NewStudy& wanted) {
                        "shape = {}    # relative to this file\n{}unit_m = {}    # m, unit of length of that file\n"
                        "fixed = {}    # its named {} that are fixed{}; the rest is free\n{}{}\n",
                        regions, shape.solid ? "solid = true    # in space\n" : "", quoted(wanted.shape_in_study), wanted.trust_geo ? "trust_geo = true    # gmsh runs it as a program\n" : "",
-                       text(wanted.unit_m), list(wanted.held_in_study.empty() ? wanted.held : wanted.held_in_study), shape.solid ? "surfaces" : "curves", shape.solid ? ", or regions, in m" : "",
+                       text(wanted.unit_m), list(wanted.fixed_in_study.empty() ? wanted.fixed : wanted.fixed_in_study), shape.solid ? "surfaces" : "curves", shape.solid ? ", or regions, in m" : "",
                        wanted.bed_Pa_m > 0 ? fmt::format("bed_Pa_m = {}    # Pa/m, stiffness per area of the elastic bed under the fixed parts; without it they do not move\n", text(wanted.bed_Pa_m)) : "",
                        shape.solid ? "" : fmt::format("thickness_m = {}    # m, thickness of the slice; forces are proportional to it\n", text(wanted.thickness_m)));
 }
@@ -249,7 +249,7 @@ WrittenStudy new_study(const NewStudy& wanted) {
         sides.push_back(fmt::format("{:.3g}", 1e3 * wanted.unit_m * ((*shape.high)[i] - (*shape.low)[i])));
     const std::string how_large = sides.empty() ? "of a size that is unknown before meshing" : fmt::format("{} mm", fmt::join(sides, " x "));
     study.choices.insert(study.choices.begin(),
-                         {fmt::format("{}: {}, {}; fixed: {}{}", wanted.shape, shape.solid ? "in space" : "in the plane", how_large, fmt::join(wanted.held, ", "),
+                         {fmt::format("{}: {}, {}; fixed: {}{}", wanted.shape, shape.solid ? "in space" : "in the plane", how_large, fmt::join(wanted.fixed, ", "),
                                       wanted.bed_Pa_m > 0 ? fmt::format(", on a bed of {} Pa/m", text(wanted.bed_Pa_m)) : ""),
                           shape.solid     ? fmt::format("springs in cubes of {} mm (springs.spacing_m){}", text(1e3 * spring_m),
                                                         wanted.size_m ? "" : ", the smaller of an eighth of its mean size and a third of its shortest side")

@@ -13,9 +13,9 @@ struct NewStudy {
     double unit_m = 1;               ///< unit of length of this file [m]
     bool trust_geo = false;          ///< whether gmsh may run the file, where it is a .geo
     /// Fixed parts: named curves of the file, in space named surfaces or regions of space (mesh/fixed_region.h).
-    std::vector<std::string> held;
-    /// The same parts as the study gives them, with paths relative to its folder; empty: as in `held`.
-    std::vector<std::string> held_in_study;
+    std::vector<std::string> fixed;
+    /// The same parts as the study gives them, with paths relative to its folder; empty: as in `fixed`.
+    std::vector<std::string> fixed_in_study;
     double bed_Pa_m = 0;             ///< in space: stiffness per area of the bed under these parts [Pa/m]; 0: rigid
     std::string preset = "liver";    ///< fem/materials/NAME.toml
     double thickness_m = 0.1;        ///< in the plane

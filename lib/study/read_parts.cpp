@@ -39,8 +39,8 @@ bool is_plain_name(const std::string& name) {
     return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
 }
 
-Study::LawParameters read_law_parameters(TomlReader& in, const std::string& law, std::size_t terms) {
-    Study::LawParameters p;
+Study::MaterialParameters read_material_parameters(TomlReader& in, const std::string& law, std::size_t terms) {
+    Study::MaterialParameters p;
     if (law == "ogden") {
         p.mu_Pa = in.numbers("mu_Pa");
         p.alpha = in.numbers("alpha", {-50, 50});

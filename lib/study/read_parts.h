@@ -23,7 +23,7 @@ bool is_multiple(double value, double step);
 bool is_plain_name(const std::string& name);
 
 /// law: the material law. terms: number of terms that Ogden's law must have; 0: any number.
-Study::LawParameters read_law_parameters(TomlReader& in, const std::string& law, std::size_t terms = 0);
+Study::MaterialParameters read_material_parameters(TomlReader& in, const std::string& law, std::size_t terms = 0);
 
 /// magnitudes_m and record_step_m of [loads]. No magnitude may be larger than the longest side of a block.
 Study::Loads read_magnitudes(TomlReader& in, const Study::Geometry& geometry);

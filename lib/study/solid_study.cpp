@@ -48,7 +48,7 @@ Study::Nodule read_enclosed_nodule(TomlReader& in, const Study& study) {
     if (!is_surface_file(shape)) in.refuse("shape", fmt::format("'{}' must be a file that ends in {}", shape, surface_endings));
     const std::string file = file_beside(in, "shape", shape);
     try {
-        return {read_law_parameters(in, study.material.law, study.material.alpha.size()), Inclusion(inclusion_surface(read_surface_file(file), study.geometry.unit_m)), file};
+        return {read_material_parameters(in, study.material.law, study.material.alpha.size()), Inclusion(inclusion_surface(read_surface_file(file), study.geometry.unit_m)), file};
     } catch (const FileError& e) {
         in.refuse("shape", e.what());
     }
@@ -65,7 +65,7 @@ Study::Nodule read_nodule(TomlReader in, const Study& study) {
     }
     const std::vector<double> centre = in.numbers("centre_m", 3);
     const double radius_m = in.number("radius_m", positive);
-    Study::Nodule nodule{read_law_parameters(in, study.material.law, study.material.alpha.size()), Inclusion(Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m), {}};
+    Study::Nodule nodule{read_material_parameters(in, study.material.law, study.material.alpha.size()), Inclusion(Eigen::Vector3d(centre[0], centre[1], centre[2]), radius_m), {}};
     read_own_viscosity(in, study.material, nodule);
     if (!g.is_block()) {
         in.refuse_the_rest();

@@ -34,7 +34,7 @@ const Range area_caps{1.0 / 3, 1000, true};
 const std::vector<const char*> sets_keys = {"optimizer",   "also",            "objective", "ridge",    "iterations",
                                             "max_seconds", "target_rel_loss", "k_min_E2",  "k_max_E2", "weight_near",
                                             "weight_far"};
-const std::vector<const char*> law_keys = {"force_scale", "shape_scale", "starts", "ridge"};
+const std::vector<const char*> energy_model_keys = {"force_scale", "shape_scale", "starts", "ridge"};
 
 std::vector<std::string> topologies_of(const Study::Geometry& geometry) {
     std::vector<std::string> names;
@@ -146,7 +146,7 @@ void apply_preset(toml::table& table, const std::string& file) {
 Study::Material read_material(TomlReader in, const Study::Geometry& geometry, bool measured) {
     Study::Material m;
     m.law = in.choice("law", {"mooney-rivlin", "neo-Hookean", "ogden"});
-    static_cast<Study::LawParameters&>(m) = read_law_parameters(in, m.law);
+    static_cast<Study::MaterialParameters&>(m) = read_material_parameters(in, m.law);
     m.density_kg_m3 = in.number("density_kg_m3", positive);
     if (geometry.is_solid()) {
         if (in.has("formulation")) in.refuse("formulation", fmt::format("is only for the plane; a solid {} is incompressible", geometry.is_block() ? "block" : "shape"));
@@ -162,7 +162,7 @@ Study::Material read_material(TomlReader in, const Study::Geometry& geometry, bo
         TomlReader regions = in.table("regions");
         for (const std::string& name : regions.keys()) {
             TomlReader region = regions.table(name);
-            m.regions.push_back({read_law_parameters(region, m.law, m.alpha.size()), name});
+            m.regions.push_back({read_material_parameters(region, m.law, m.alpha.size()), name});
             read_own_viscosity(region, m, m.regions.back());
             region.refuse_the_rest();
         }
@@ -258,9 +258,9 @@ Study::Springs read_springs(TomlReader in, const Study::Geometry& geometry, bool
     return s;
 }
 
-/// [training] of an energy model. The defaults are those of LawTrainingOptions. force_scale is about the discretisation
+/// [training] of an energy model. The defaults are those of EnergyModelTrainingOptions. force_scale is about the discretisation
 /// error of FE, shape_scale about the smallest visible error of displacement.
-Study::Training read_law_training(TomlReader in, bool measured) {
+Study::Training read_energy_model_training(TomlReader in, bool measured) {
     for (const char* key : sets_keys)
         if (in.has(key) && std::string(key) != "ridge") in.refuse(key, "needs springs.stiffness = \"sets\"");
     if (measured && in.has("shape_scale"))
@@ -276,7 +276,7 @@ Study::Training read_law_training(TomlReader in, bool measured) {
 }
 
 Study::Training read_training(TomlReader in) {
-    for (const char* key : law_keys)
+    for (const char* key : energy_model_keys)
         if (in.has(key) && std::string(key) != "ridge") in.refuse(key, "needs springs.stiffness = \"law\"");
     Study::Training t{};
     t.optimizer = in.text("optimizer");
@@ -399,14 +399,14 @@ Study::Variant read_variant(TomlReader in, const Study& study) {
 
 }  // namespace
 
-double Study::LawParameters::youngs_modulus_Pa() const {
+double Study::MaterialParameters::youngs_modulus_Pa() const {
     if (alpha.empty()) return 6 * (C1_Pa + C2_Pa);
     double twice_mu = 0;
     for (std::size_t k = 0; k < alpha.size(); ++k) twice_mu += mu_Pa[k] * alpha[k];
     return 3 * twice_mu / 2;
 }
 
-double Study::LawParameters::second_share() const {
+double Study::MaterialParameters::second_share() const {
     if (alpha.empty()) return C2_Pa / (C1_Pa + C2_Pa);
     double sum = 0, curved = 0;
     for (std::size_t k = 0; k < alpha.size(); ++k) {
@@ -491,12 +491,12 @@ Study read_study(const std::string& file) {
         read_fe(in, study);
 
     study.springs = read_springs(in.table("springs"), study.geometry, study.data.has_value());
-    const bool law = study.springs.is_energy_model();
-    if (!law && study.material.relaxes()) in.table("material").refuse("viscosity", "needs springs.stiffness = \"law\": spring sets do not relax");
+    const bool is_energy_model = study.springs.is_energy_model();
+    if (!is_energy_model && study.material.relaxes()) in.table("material").refuse("viscosity", "needs springs.stiffness = \"law\": spring sets do not relax");
     const toml::table nothing;  // an energy model has a default for every key of [training]
-    if (law) {
+    if (is_energy_model) {
         const TomlReader training = in.has("training") ? in.table("training") : TomlReader(nothing, file, "training");
-        study.training = read_law_training(training, study.data.has_value());
+        study.training = read_energy_model_training(training, study.data.has_value());
     } else
         study.training = read_training(in.table("training"));
     if (in.has("draws")) {
@@ -506,7 +506,7 @@ Study read_study(const std::string& file) {
     }
     if (in.has("histories")) read_histories(in, study);
     if (in.has("variants")) {
-        if (!law) in.refuse("variants", "need an energy model; this study has spring sets");
+        if (!is_energy_model) in.refuse("variants", "need an energy model; this study has spring sets");
         if (!solid && !study.loads.sweep) in.refuse("variants", "needs a study with loads.sweep");
         for (const TomlReader& variant : in.tables("variants")) study.variants.push_back(read_variant(variant, study));
     }

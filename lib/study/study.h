@@ -56,7 +56,7 @@ struct Study {
 
     /// Constitutive parameters of the base material, of a region or of a nodule. Moduli are instantaneous, also where
     /// the file gives long-term ones.
-    struct LawParameters {
+    struct MaterialParameters {
         double C1_Pa = 0, C2_Pa = 0;       ///< Mooney-Rivlin
         std::vector<double> mu_Pa, alpha;  ///< Ogden, one entry a term
         std::vector<double> share = {};    ///< relative modulus of each Maxwell branch of the material; empty: elastic
@@ -69,10 +69,10 @@ struct Study {
         /// is -1 for C1 alone and -2 for C2 alone.
         double second_share() const;
     };
-    struct Region : LawParameters {
+    struct Region : MaterialParameters {
         std::string name;  ///< physical surface of the shape's file; in space a physical volume
     };
-    struct Material : LawParameters {
+    struct Material : MaterialParameters {
         std::string law;  ///< material law: mooney-rivlin, neo-Hookean (C2 = 0) or ogden
         double density_kg_m3;
         std::string formulation;        ///< plane-stress or plane-strain; for a solid incompressible
@@ -90,7 +90,7 @@ struct Study {
     } material;
 
     /// An inclusion of another material in a solid.
-    struct Nodule : LawParameters {
+    struct Nodule : MaterialParameters {
         Inclusion inclusion;
         std::string shape;  ///< file of its surface, in the same unit as the shape's file; empty for a ball
     };

@@ -42,7 +42,7 @@ std::vector<double> shares_of(const std::vector<Branch>& branches) {
 }
 
 /// Converts long-term moduli to instantaneous ones: divides by 1 - sum of g.
-void make_instantaneous(Study::LawParameters& p) {
+void make_instantaneous(Study::MaterialParameters& p) {
     const double left = 1 - std::accumulate(p.share.begin(), p.share.end(), 0.0);
     p.C1_Pa /= left;
     p.C2_Pa /= left;
@@ -74,7 +74,7 @@ void read_viscosity(TomlReader& in, Study::Material& material, bool fe) {
     if (material.long_term) make_instantaneous(material);
 }
 
-void read_own_viscosity(TomlReader& in, const Study::Material& material, Study::LawParameters& own) {
+void read_own_viscosity(TomlReader& in, const Study::Material& material, Study::MaterialParameters& own) {
     own.share = material.share;
     if (in.has("viscosity")) {
         if (!material.relaxes()) in.refuse("viscosity", "needs material.viscosity, whose tau_s it has too");

@@ -16,6 +16,6 @@ void read_viscosity(TomlReader& in, Study::Material& material, bool fe);
 
 /// Reads `viscosity` of a region or the nodule, whose moduli are read already, and makes the moduli instantaneous. The
 /// relative moduli are its own or, without the key, the material's; the relaxation times are the material's.
-void read_own_viscosity(TomlReader& in, const Study::Material& material, Study::LawParameters& own);
+void read_own_viscosity(TomlReader& in, const Study::Material& material, Study::MaterialParameters& own);
 
 }  // namespace tissue

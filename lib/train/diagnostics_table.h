@@ -8,6 +8,6 @@ namespace tissue {
 const DatasetTable& books_table();
 
 /// The same for TrainingDiagnostics::law, the training of an energy model.
-const DatasetTable& law_books_table();
+const DatasetTable& energy_model_diagnostics_table();
 
 }  // namespace tissue

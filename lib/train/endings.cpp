@@ -46,19 +46,19 @@ Endings endings_of(const ProblemRecord& problems, const std::vector<SetDiagnosti
     return e;
 }
 
-Endings endings_of(const EnergyModelDiagnostics& law) {
+Endings endings_of(const EnergyModelDiagnostics& diagnostics) {
     Endings e;
-    const std::string& status = law.status.at(static_cast<std::size_t>(law.kept));
+    const std::string& status = diagnostics.status.at(static_cast<std::size_t>(diagnostics.kept));
     if (status == to_string(FitStatus::no_progress) || status == to_string(FitStatus::held_back) || status == to_string(FitStatus::iterations_done))
         e.broken.push_back(fmt::format("energy model: {} after {} iterations, largest derivative {:.1e}", status,
-                                       law.iterations.at(static_cast<std::size_t>(law.kept)), law.gradient[law.kept]));
-    if (!law.lost.empty())
-        e.broken.push_back(fmt::format("energy model: of {} load cases {} have no equilibrium", law.records, law.lost.size()));
+                                       diagnostics.iterations.at(static_cast<std::size_t>(diagnostics.kept)), diagnostics.gradient[diagnostics.kept]));
+    if (!diagnostics.lost.empty())
+        e.broken.push_back(fmt::format("energy model: of {} load cases {} have no equilibrium", diagnostics.records, diagnostics.lost.size()));
     return e;
 }
 
 Endings endings_of(const TrainingDiagnostics& books) {
-    return books.law ? endings_of(*books.law) : endings_of(books.problems, books.trained, books.optimum);
+    return books.energy_model ? endings_of(*books.energy_model) : endings_of(books.problems, books.trained, books.optimum);
 }
 
 }  // namespace tissue

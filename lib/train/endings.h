@@ -22,7 +22,7 @@ struct Endings {
 /// A stop criterion of the study (`iterations_done`, `time_out`, `target_met`) and the regular end of the paper's
 /// method (`restarts_exhausted`) are in `other`. A file of an earlier version has no status of the optimum.
 Endings endings_of(const ProblemRecord& problems, const std::vector<SetDiagnostics>& trained, const OptimumCertificate& optimum);
-Endings endings_of(const EnergyModelDiagnostics& law);
+Endings endings_of(const EnergyModelDiagnostics& diagnostics);
 Endings endings_of(const TrainingDiagnostics& books);
 
 }  // namespace tissue

@@ -7,9 +7,9 @@ namespace tissue {
 
 const char* to_string(ProblemStatus status) {
     switch (status) {
-        case ProblemStatus::posed:
+        case ProblemStatus::set_up:
             return "posed";
-        case ProblemStatus::floppy:
+        case ProblemStatus::not_positive_definite:
             return "floppy";
         case ProblemStatus::no_force:
             return "no_force";
@@ -26,7 +26,7 @@ const char* to_string(ProblemStatus status) {
 ProblemStatus problem_status(LsqStatus status) {
     switch (status) {
         case LsqStatus::converged:
-            return ProblemStatus::posed;
+            return ProblemStatus::set_up;
         case LsqStatus::stalled:
             return ProblemStatus::stalled;
         case LsqStatus::iterations_done:
@@ -52,7 +52,7 @@ TrainingProblems node_problems(const TrainingData& data, const std::vector<Targe
     TrainingProblems p;
     for (const Target& target : targets) {
         p.base.push_back(loss_of(data.mesh, data.law, target));
-        p.status.push_back(p.base.back().scale() > 0 ? ProblemStatus::posed : ProblemStatus::no_force);
+        p.status.push_back(p.base.back().scale() > 0 ? ProblemStatus::set_up : ProblemStatus::no_force);
     }
     p.start.assign(targets.size(), data.heuristic);
     // with a ridge the problem is well conditioned: start with unshifted Newton steps

@@ -29,10 +29,10 @@ struct TrainingData {
 /// Whether the problem of one load case, or of the single set for all cases ("one set"), could be set up. f: force of
 /// the target; K: stiffness matrix of the free nodes.
 enum class ProblemStatus {
-    posed,            ///< set up as the objective defines it; preliminary solves converged (LsqStatus)
+    set_up,           ///< set up as the objective defines it; preliminary solves converged (LsqStatus)
     /// Objective "contact": at the heuristic or at the rough solution K is not positive definite (a pivot <= 1e-10 of
     /// the largest), or the contact is on fixed nodes. The loss then has no reaction, or the heuristic's.
-    floppy,
+    not_positive_definite,
     no_force,         ///< |f| = 0; one set: in every case, and the set is the heuristic
     singular,         ///< one set: joint_loss has a pivot <= 0, and the set is the heuristic
     stalled,          ///< LsqStatus::stalled, of the one set or of the rough solution of "contact"
@@ -52,7 +52,7 @@ struct TrainingProblems {
     std::vector<Eigen::VectorXd> start;    ///< start of each training [N/m] (C of S), inside the box
     std::vector<ProblemStatus> status;     ///< (C)
     Eigen::VectorXd one_set;               ///< single set with the least joint loss over all cases [N/m] (S)
-    ProblemStatus one_set_status = ProblemStatus::posed;
+    ProblemStatus one_set_status = ProblemStatus::set_up;
     BoundedLsqOptions exact;               ///< options of the exact solver for these problems
     bool nearly_solved = false;            ///< whether the time of pose() counts as time of the exact solver
 };

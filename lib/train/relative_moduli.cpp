@@ -28,7 +28,7 @@ FittedModuli fit_relative_moduli(const TissueModel& model, const std::vector<His
     if (used.empty()) throw MismatchError("there is no displacement history to fit relative moduli to");
     TissueModel at_once = model;
     at_once.energy_model = instantaneous(*model.energy_model);
-    const IndentationSolver press(at_once);
+    const IndentationSolver solver(at_once);
     std::vector<NodeField> now(used.size());
     std::vector<std::string> lost(used.size());
     parallel_for(static_cast<int>(used.size()), threads, [&](int i) {
@@ -42,7 +42,7 @@ FittedModuli fit_relative_moduli(const TissueModel& model, const std::vector<His
                 continue;
             }
             const Point& at = h.contact[static_cast<std::size_t>(n)] == 2 ? *h.second_contact_m : h.contact_m;
-            const Equilibrium answer = press.at(at, h.push_m.row(n).transpose());
+            const Equilibrium answer = solver.at(at, h.push_m.row(n).transpose());
             if (answer)
                 now[k].row(n) = answer.contact_force.transpose();
             else

@@ -14,10 +14,10 @@
 namespace tissue {
 
 /// Training data of one load path: a contact, with FE reference or measurement at each tool displacement.
-struct PressPath {
+struct IndentationPath {
     std::string name;
     Point contact_m;              ///< (D)
-    double radius_m = 0;          ///< of the disc; 0: LawTrainingOptions::disc_radius_m
+    double radius_m = 0;          ///< of the disc; 0: EnergyModelTrainingOptions::disc_radius_m
     struct Record {
         Point push_m, force_N;    ///< tool displacement; force of the tool on the tissue (D)
         NodeField displacement;   ///< u [m] (N x D); empty where only the force is known (measured contacts)
@@ -27,13 +27,13 @@ struct PressPath {
 
 /// The training paths of the cases, with a record at each of their load_magnitudes. A path that ends early in FE gives
 /// the records before its end; a path without any record is left out.
-std::vector<PressPath> press_paths(const Cases& cases);
+std::vector<IndentationPath> indentation_paths(const Cases& cases);
 
-struct LawTrainingOptions {
+struct EnergyModelTrainingOptions {
     double force_scale = 0.01;    ///< relative force error with residual 1: 1 % of |F|
     double shape_scale = 0.03;    ///< relative displacement error with residual 1: 3 % of the rms displacement
     double ridge = 0.1;           ///< a coefficient of 10 (a factor of 22,000) has residual 1
-    std::vector<int> seen;        ///< nodes whose displacement is compared; empty: all
+    std::vector<int> compared;        ///< nodes whose displacement is compared; empty: all
     double disc_radius_m = 0;     ///< radius of the model's disc, in space
     Eigen::Vector2d curved_range{-INFINITY, INFINITY};  ///< DiscTables::curved_range
     FacetTable correction;        ///< lattice correction for that disc (DiscTables::correction)
@@ -43,7 +43,7 @@ struct LawTrainingOptions {
     double spread = 0.5;          ///< standard deviation of the coefficients of a drawn start
     unsigned long seed = 1;
     FitOptions fit;
-    SolverOptions press;
+    SolverOptions equilibrium;
     int threads = 1;
 };
 
@@ -51,8 +51,8 @@ struct LawTrainingOptions {
 /// relative force errors over the paths. Forces are proportional to the factor; displacements do not depend on it. A
 /// record without convergence, and the deeper records of its path, are left out. Throws MismatchError when no record
 /// with a force remains.
-double heuristic_factor(const SpringMesh& mesh, const EnergyModelTerms& law, const std::vector<PressPath>& paths,
-                        const LawTrainingOptions& options = {});
+double heuristic_factor(const SpringMesh& mesh, const EnergyModelTerms& model_terms, const std::vector<IndentationPath>& paths,
+                        const EnergyModelTrainingOptions& options = {});
 
 /// Result of the training of an energy model.
 struct TrainedEnergyModel {
@@ -68,27 +68,27 @@ struct TrainedEnergyModel {
 /// prescribed, the mesh is in equilibrium, and force and displacement are compared with the FE reference. Objective:
 ///   mean over records of |F_model - F|^2 / (force_scale |F|)^2 + |u_model - u|^2 / (shape_scale |u|)^2
 ///   + |ridge p|^2
-/// The second term is left out where u is not known. u has the nodes of options.seen, with the skin (springs/skin.h).
+/// The second term is left out where u is not known. u has the nodes of options.compared, with the skin (springs/skin.h).
 /// Derivatives of the equilibrium are implicit (EquilibriumSolver::derivative). A record without equilibrium (`lost`) counts
 /// as if force and displacement of the model were 0. The fit accepts no step that loses a record (nonlinear_fit). Of
 /// several starts the one with the fewest lost records is kept, then the one with the smallest objective. Parallel over
 /// paths; the result does not depend on the number of threads.
 /// Throws MismatchError without paths or without terms.
-TrainedEnergyModel train_energy_model(const SpringMesh& mesh, const EnergyModelTerms& law, const std::vector<PressPath>& paths,
-                     const LawTrainingOptions& options = {});
+TrainedEnergyModel train_energy_model(const SpringMesh& mesh, const EnergyModelTerms& model_terms, const std::vector<IndentationPath>& paths,
+                     const EnergyModelTrainingOptions& options = {});
 
 /// Last equilibrium of every record (paths x records). In space the next evaluation starts from it, because solving
 /// from rest would be most of the training time. Empty before the first evaluation.
-using LawRests = std::vector<std::vector<EquilibriumState>>;
+using PathEquilibria = std::vector<std::vector<EquilibriumState>>;
 
 /// Residuals f of that objective, which is their sum of squares, and their derivative J by the coefficients p.
-/// Rows: for each record the force (D), then the displacement where known (D * seen nodes); at the end the ridge (P).
+/// Rows: for each record the force (D), then the displacement where known (D * compared nodes); at the end the ridge (P).
 /// lost: appends a line for each record that has not converged. rests: starts of the equilibrium solves, updated. gone: 1
 /// for each record without an equilibrium, else 0.
-void law_residuals(const SpringMesh& mesh, const EnergyModelTerms& law, const std::vector<PressPath>& paths,
-                   const LawTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
+void energy_model_residuals(const SpringMesh& mesh, const EnergyModelTerms& model_terms, const std::vector<IndentationPath>& paths,
+                   const EnergyModelTrainingOptions& options, const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f,
                    Eigen::Ref<RowMatrix> J, std::vector<std::string>* lost = nullptr,
-                   LawRests* rests = nullptr, std::vector<char>* gone = nullptr);
-int law_residual_count(const EnergyModelTerms& law, const std::vector<PressPath>& paths, const LawTrainingOptions& options);
+                   PathEquilibria* rests = nullptr, std::vector<char>* gone = nullptr);
+int energy_model_residual_count(const EnergyModelTerms& model_terms, const std::vector<IndentationPath>& paths, const EnergyModelTrainingOptions& options);
 
 }  // namespace tissue

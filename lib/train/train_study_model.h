@@ -10,6 +10,6 @@ namespace tissue {
 /// (train/relative_moduli.h). The result does not depend on the number of threads.
 /// Throws MismatchError for a study with spring sets, without a training path, when the cases are not on the study's
 /// nodes or have another disc, and when a term does not fit the mesh.
-TrainedModel train_law_model(const Study& study, const Cases& cases, int threads);
+TrainedModel train_study_model(const Study& study, const Cases& cases, int threads);
 
 }  // namespace tissue

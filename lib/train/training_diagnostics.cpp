@@ -41,71 +41,71 @@ SetDiagnostics read_book(const Hdf5Reader& file, TableReader in, const std::stri
     return book;
 }
 
-void write_law_book(Hdf5Writer& file, const EnergyModelDiagnostics& book) {
-    TableWriter out(file, law_books_table());
-    const std::size_t R = book.status.size();
-    out.write("/law/untrained_constants", book.untrained_constants);
-    out.write("/law/untrained_patch_log", NodeField(book.untrained_patch.log_N_m));
-    out.write_texts("/law/start_status", book.status);
-    out.write("/law/start_objective", book.start_objective);
-    out.write("/law/start_gradient", book.gradient);
-    out.write_integers("/law/start_iterations", {R}, book.iterations);
-    out.write_integers("/law/start_evaluations", {R}, book.evaluations);
-    out.write_texts("/law/lost", book.lost);
-    file.attribute("/law", "objective", book.objective);
-    file.attribute("/law", "kept", book.kept);
-    file.attribute("/law", "paths", book.paths);
-    file.attribute("/law", "records", book.records);
-    file.attribute("/law", "factor", book.factor);
-    file.attribute("/law", "seconds", book.seconds);
-    if (book.at_rest) file.attribute("/law", "at_rest", 1);
-    if (!book.shares) return;
-    file.attribute("/law", "shares_histories", book.shares->histories);
-    file.attribute("/law", "shares_kkt_residual", book.shares->kkt_residual);
-    file.attribute("/law", "shares_misfit", book.shares->misfit);
-    file.attribute("/law", "shares_grown", book.shares->grown);
-    file.attribute("/law", "shares_status", book.shares->status);
+void write_energy_model_diagnostics(Hdf5Writer& file, const EnergyModelDiagnostics& diagnostics) {
+    TableWriter out(file, energy_model_diagnostics_table());
+    const std::size_t R = diagnostics.status.size();
+    out.write("/law/untrained_constants", diagnostics.untrained_constants);
+    out.write("/law/untrained_patch_log", NodeField(diagnostics.untrained_patch.log_N_m));
+    out.write_texts("/law/start_status", diagnostics.status);
+    out.write("/law/start_objective", diagnostics.start_objective);
+    out.write("/law/start_gradient", diagnostics.gradient);
+    out.write_integers("/law/start_iterations", {R}, diagnostics.iterations);
+    out.write_integers("/law/start_evaluations", {R}, diagnostics.evaluations);
+    out.write_texts("/law/lost", diagnostics.lost);
+    file.attribute("/law", "objective", diagnostics.objective);
+    file.attribute("/law", "kept", diagnostics.kept);
+    file.attribute("/law", "paths", diagnostics.paths);
+    file.attribute("/law", "records", diagnostics.records);
+    file.attribute("/law", "factor", diagnostics.factor);
+    file.attribute("/law", "seconds", diagnostics.seconds);
+    if (diagnostics.at_rest) file.attribute("/law", "at_rest", 1);
+    if (!diagnostics.shares) return;
+    file.attribute("/law", "shares_histories", diagnostics.shares->histories);
+    file.attribute("/law", "shares_kkt_residual", diagnostics.shares->kkt_residual);
+    file.attribute("/law", "shares_misfit", diagnostics.shares->misfit);
+    file.attribute("/law", "shares_grown", diagnostics.shares->grown);
+    file.attribute("/law", "shares_status", diagnostics.shares->status);
 }
 
-/// law: energy model of the same file; gives the lengths of the datasets.
-EnergyModelDiagnostics read_law_book(const Hdf5Reader& file, const EnergyModel& law) {
-    TableReader in(file, law_books_table(), {{"E", static_cast<std::size_t>(law.constants.size())},
-                                             {"K", static_cast<std::size_t>(law.patch.log_N_m.rows())},
-                                             {"F", static_cast<std::size_t>(law.patch.log_N_m.cols())}});
-    EnergyModelDiagnostics book;
-    book.untrained_constants = in.vector("/law/untrained_constants");
-    book.untrained_patch.log_N_m = in.field("/law/untrained_patch_log");
-    book.untrained_patch.curve = law.patch.curve;
-    book.status = in.texts("/law/start_status");
-    book.start_objective = in.vector("/law/start_objective");
-    book.gradient = in.vector("/law/start_gradient");
-    book.iterations = in.integers("/law/start_iterations");
-    book.evaluations = in.integers("/law/start_evaluations");
-    book.lost = in.texts("/law/lost");
+/// energy_model: energy model of the same file; gives the lengths of the datasets.
+EnergyModelDiagnostics read_energy_model_diagnostics(const Hdf5Reader& file, const EnergyModel& energy_model) {
+    TableReader in(file, energy_model_diagnostics_table(), {{"E", static_cast<std::size_t>(energy_model.constants.size())},
+                                             {"K", static_cast<std::size_t>(energy_model.patch.log_N_m.rows())},
+                                             {"F", static_cast<std::size_t>(energy_model.patch.log_N_m.cols())}});
+    EnergyModelDiagnostics diagnostics;
+    diagnostics.untrained_constants = in.vector("/law/untrained_constants");
+    diagnostics.untrained_patch.log_N_m = in.field("/law/untrained_patch_log");
+    diagnostics.untrained_patch.curve = energy_model.patch.curve;
+    diagnostics.status = in.texts("/law/start_status");
+    diagnostics.start_objective = in.vector("/law/start_objective");
+    diagnostics.gradient = in.vector("/law/start_gradient");
+    diagnostics.iterations = in.integers("/law/start_iterations");
+    diagnostics.evaluations = in.integers("/law/start_evaluations");
+    diagnostics.lost = in.texts("/law/lost");
     const auto count = [&file](const char* key, double low, double high) {
         const double value = file.number_attribute("/law", key);
         if (!(value >= low && value <= high && value == std::floor(value)))
             file.refuse("/law", fmt::format("attribute '{}' is {}, must be a whole number from {} to {}", key, value, low, high));
         return static_cast<int>(value);
     };
-    book.kept = count("kept", 0, static_cast<double>(book.status.size()) - 1);
-    book.paths = count("paths", 1, 1e9);
-    book.records = count("records", 1, 1e9);
-    book.factor = file.number_attribute("/law", "factor");
-    if (!(book.factor > 0) || !std::isfinite(book.factor))
-        file.refuse("/law", fmt::format("attribute 'factor' is {}, must be a finite number > 0", book.factor));
-    book.objective = file.number_attribute("/law", "objective");
-    book.seconds = file.number_attribute("/law", "seconds");
-    if (file.has_attribute("/law", "at_rest")) book.at_rest = count("at_rest", 0, 1) == 1;
+    diagnostics.kept = count("kept", 0, static_cast<double>(diagnostics.status.size()) - 1);
+    diagnostics.paths = count("paths", 1, 1e9);
+    diagnostics.records = count("records", 1, 1e9);
+    diagnostics.factor = file.number_attribute("/law", "factor");
+    if (!(diagnostics.factor > 0) || !std::isfinite(diagnostics.factor))
+        file.refuse("/law", fmt::format("attribute 'factor' is {}, must be a finite number > 0", diagnostics.factor));
+    diagnostics.objective = file.number_attribute("/law", "objective");
+    diagnostics.seconds = file.number_attribute("/law", "seconds");
+    if (file.has_attribute("/law", "at_rest")) diagnostics.at_rest = count("at_rest", 0, 1) == 1;
     if (file.has_attribute("/law", "shares_status"))
-        book.shares = {count("shares_histories", 1, 1e9), file.number_attribute("/law", "shares_kkt_residual"), file.number_attribute("/law", "shares_misfit"),
+        diagnostics.shares = {count("shares_histories", 1, 1e9), file.number_attribute("/law", "shares_kkt_residual"), file.number_attribute("/law", "shares_misfit"),
                        file.number_attribute("/law", "shares_grown"), file.text_attribute("/law", "shares_status")};
-    return book;
+    return diagnostics;
 }
 
 }  // namespace
 
-const DatasetTable& law_books_table() {
+const DatasetTable& energy_model_diagnostics_table() {
     static const DatasetTable table = {
         {"/law/untrained_constants", "E", Values::positive(), "N/m", "constants of the heuristic, before training"},
         {"/law/untrained_patch_log", "K x F", Values::logarithm(), "log(N/m)", "contact of the heuristic, as /law/patch_log"},
@@ -143,16 +143,16 @@ const DatasetTable& books_table() {
 }
 
 EnergyModel energy_model_of_cases(const TrainedModel& model) {
-    const EnergyModel& law = *model.energy_model;
-    return model.books.law->at_rest && !law.relaxation.empty() ? long_term(law) : law;
+    const EnergyModel& energy_model = *model.energy_model;
+    return model.books.energy_model->at_rest && !energy_model.relaxation.empty() ? long_term(energy_model) : energy_model;
 }
 
 void write_trained_model(const std::string& file, const TrainedModel& model, const Provenance& provenance) {
     const TrainingDiagnostics& books = model.books;
     Hdf5Writer hdf5(file, "model", provenance, format_of(model));
     write_tissue(hdf5, model);
-    if (books.law) {
-        write_law_book(hdf5, *books.law);
+    if (books.energy_model) {
+        write_energy_model_diagnostics(hdf5, *books.energy_model);
         return hdf5.commit();
     }
     TableWriter out(hdf5, books_table());
@@ -184,7 +184,7 @@ TrainedModel read_trained_model(const std::string& name) {
         file.refuse("/", fmt::format("attribute 'seed' is {}, must be a whole number >= 0", seed));
     books.seed = static_cast<unsigned long>(seed);
     if (model.energy_model) {
-        books.law = read_law_book(file, *model.energy_model);
+        books.energy_model = read_energy_model_diagnostics(file, *model.energy_model);
         return model;
     }
     TableReader in(file, books_table(), {{"C", model.case_names.size()}, {"N", static_cast<std::size_t>(model.mesh.node_count())}});

@@ -69,7 +69,7 @@ struct TrainingDiagnostics {
     std::vector<SetDiagnostics> trained;     ///< in the order of TissueModel::trained
     OptimumCertificate optimum;                  ///< of TissueModel::optimum
     ProblemRecord problems;
-    std::optional<EnergyModelDiagnostics> law;            ///< of TissueModel::energy_model; replaces all members except the seed
+    std::optional<EnergyModelDiagnostics> energy_model;            ///< of TissueModel::energy_model; replaces all members except the seed
 };
 
 /// Complete content of a model.h5.

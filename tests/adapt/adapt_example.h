@@ -7,8 +7,8 @@
 namespace tissue {
 
 /// Measurements on a model without noise: normal and tilted indentations of 3 to 8 mm at random places on the block of
-/// law_example.
-std::vector<ForceMeasurement> pokes_of(const TissueModel& truth, int count, unsigned long seed = 1);
+/// energy_model_example.
+std::vector<ForceMeasurement> pokes_of(const TissueModel& target, int count, unsigned long seed = 1);
 
 /// Largest |model - measured| / |measured| force of the measurements.
 double worst_error(const TissueModel& model, const std::vector<ForceMeasurement>& pokes);

@@ -24,23 +24,23 @@ AdaptOptions options(const std::string& unknowns = "field") {
 
 /// An energy model whose left part (x < 45 mm) is four times as stiff.
 TissueModel half_stiff() {
-    const TissueModel law = law_example();
-    const Unknowns field = make_unknowns(law, "field");
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(law.mesh.node_count());
-    for (int n = 0; n < law.mesh.node_count(); ++n)
-        if (law.mesh.nodes(n, 0) < 0.045) x[n] = std::log(4.0);
-    TissueModel truth = law;
-    truth.energy_model = with_unknowns(*law.energy_model, field, x);
-    return truth;
+    const TissueModel model = energy_model_example();
+    const Unknowns field = make_unknowns(model, "field");
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(model.mesh.node_count());
+    for (int n = 0; n < model.mesh.node_count(); ++n)
+        if (model.mesh.nodes(n, 0) < 0.045) x[n] = std::log(4.0);
+    TissueModel target = model;
+    target.energy_model = with_unknowns(*model.energy_model, field, x);
+    return target;
 }
 
 }  // namespace
 
 TEST_CASE("one measurement corrects the force at its contact and a uniform scale corrects it everywhere", "[adapt]") {
-    const TissueModel law = law_example(), truth = stiffer(law, std::log(1.5));
-    const std::vector<ForceMeasurement> pokes = pokes_of(truth, 12);
+    const TissueModel model = energy_model_example(), target = stiffer(model, std::log(1.5));
+    const std::vector<ForceMeasurement> pokes = pokes_of(target, 12);
     for (const std::string kind : {"scale", "terms", "field", "elements"}) {
-        Adaptation adaptation(law, options(kind));
+        Adaptation adaptation(model, options(kind));
         CHECK(worst_error(adaptation.model(), pokes) > 0.3);
         const UpdateResult answer = adaptation.learn(pokes[0]);
         CHECK(answer.status == UpdateStatus::learned);
@@ -53,21 +53,21 @@ TEST_CASE("one measurement corrects the force at its contact and a uniform scale
 }
 
 TEST_CASE("equal unknowns multiply all forces by their exponential including contacts", "[adapt]") {
-    const TissueModel law = law_example();
-    const std::vector<ForceMeasurement> pokes = pokes_of(law, 4);
+    const TissueModel model = energy_model_example();
+    const std::vector<ForceMeasurement> pokes = pokes_of(model, 4);
     for (const std::string kind : {"scale", "field", "elements"}) {
-        const Unknowns u = make_unknowns(law, kind);
-        TissueModel twice = law;
-        twice.energy_model = with_unknowns(*law.energy_model, u, Eigen::VectorXd::Constant(u.size(), std::log(2.0)));
+        const Unknowns u = make_unknowns(model, kind);
+        TissueModel twice = model;
+        twice.energy_model = with_unknowns(*model.energy_model, u, Eigen::VectorXd::Constant(u.size(), std::log(2.0)));
         for (const ForceMeasurement& poke : pokes) CHECK((IndentationSolver(twice).at(poke.contact_m, poke.push_m).contact_force - 2 * poke.force_N).norm() < 1e-8 * poke.force_N.norm());
     }
 }
 
 TEST_CASE("the derivative of a predicted force agrees with differences for every kind of unknowns", "[adapt]") {
-    const TissueModel law = half_stiff();
-    const std::vector<ForceMeasurement> pokes = pokes_of(law, 3, 5);
+    const TissueModel model = half_stiff();
+    const std::vector<ForceMeasurement> pokes = pokes_of(model, 3, 5);
     for (const std::string& kind : unknown_kinds()) {
-        Adaptation adaptation(law, options(kind));
+        Adaptation adaptation(model, options(kind));
         const Eigen::Index P = adaptation.unknowns().size();
         for (const ForceMeasurement& poke : pokes) {
             const Expected at = adaptation.expect(poke.contact_m, poke.push_m);
@@ -77,8 +77,8 @@ TEST_CASE("the derivative of a predicted force agrees with differences for every
             for (double& w : way) w = draw(-1, 1);
             constexpr double h = 1e-4;
             const auto force = [&](double step) {
-                TissueModel there = law;
-                there.energy_model = with_unknowns(*law.energy_model, adaptation.unknowns(), step * way);
+                TissueModel there = model;
+                there.energy_model = with_unknowns(*model.energy_model, adaptation.unknowns(), step * way);
                 return Point(IndentationSolver(there).at(poke.contact_m, poke.push_m).contact_force);
             };
             const Point by_differences = (force(h) - force(-h)) / (2 * h);
@@ -88,10 +88,10 @@ TEST_CASE("the derivative of a predicted force agrees with differences for every
 }
 
 TEST_CASE("measurements find a stiffer half and each reduces the posterior variance", "[adapt]") {
-    const TissueModel law = law_example(), truth = half_stiff();
-    const std::vector<ForceMeasurement> pokes = pokes_of(truth, 40), held_out = pokes_of(truth, 20, 77);
-    Adaptation adaptation(law, options());
-    const double before = worst_error(law, held_out);
+    const TissueModel model = energy_model_example(), target = half_stiff();
+    const std::vector<ForceMeasurement> pokes = pokes_of(target, 40), held_out = pokes_of(target, 20, 77);
+    Adaptation adaptation(model, options());
+    const double before = worst_error(model, held_out);
     double variance = adaptation.state().P.trace();
     for (const ForceMeasurement& poke : pokes) {
         CHECK(adaptation.learn(poke).status == UpdateStatus::learned);
@@ -107,10 +107,10 @@ TEST_CASE("measurements find a stiffer half and each reduces the posterior varia
 }
 
 TEST_CASE("a uniform scale is used while it explains all measurements and the field afterwards", "[adapt]") {
-    const TissueModel law = law_example(), same = stiffer(law, 0.5);
+    const TissueModel model = energy_model_example(), same = stiffer(model, 0.5);
     AdaptOptions alone = options();
     alone.rival = false;
-    Adaptation with_rival(law, options()), without(law, alone);
+    Adaptation with_rival(model, options()), without(model, alone);
     CHECK_FALSE(with_rival.single_scale_in_use());
     const std::vector<ForceMeasurement> held_out = pokes_of(same, 20, 77);
     for (const ForceMeasurement& poke : pokes_of(same, 5)) {
@@ -135,16 +135,16 @@ TEST_CASE("a uniform scale is used while it explains all measurements and the fi
     CHECK(answer.error_before == Approx(1 / 3.0).epsilon(0.03));
     if (answer.status == UpdateStatus::learned) CHECK_FALSE(with_rival.single_scale_in_use());
 
-    Adaptation halves(law, options());
+    Adaptation halves(model, options());
     for (const ForceMeasurement& p : pokes_of(half_stiff(), 12)) halves.learn(p);
     CHECK_FALSE(halves.single_scale_in_use());
-    for (const std::string kind : {"scale", "terms"}) CHECK_FALSE(Adaptation(law, options(kind)).has_single_scale());
+    for (const std::string kind : {"scale", "terms"}) CHECK_FALSE(Adaptation(model, options(kind)).has_single_scale());
 }
 
 TEST_CASE("an invalid measurement is refused and leaves the state unchanged bit for bit", "[adapt]") {
-    const TissueModel law = law_example(), truth = stiffer(law, 0.3);
-    const std::vector<ForceMeasurement> pokes = pokes_of(truth, 6);
-    Adaptation adaptation(law, options());
+    const TissueModel model = energy_model_example(), target = stiffer(model, 0.3);
+    const std::vector<ForceMeasurement> pokes = pokes_of(target, 6);
+    Adaptation adaptation(model, options());
     adaptation.learn(pokes[0]);
     const Eigen::VectorXd x = adaptation.state().x;
     const Eigen::MatrixXd P = adaptation.state().P;
@@ -182,15 +182,15 @@ TEST_CASE("an invalid measurement is refused and leaves the state unchanged bit 
     refused(poke, "2 axes");
     CHECK(adaptation.learn(pokes[1]).status == UpdateStatus::learned);
     CHECK(adaptation.state().refused == 10);
-    Adaptation fresh(law, options());
+    Adaptation fresh(model, options());
     CHECK_THAT(fresh.learn({Eigen::Vector2d(0.05, 0.1), Eigen::Vector2d(0, -0.03), Eigen::Vector2d(0, -2)}).why,
                Contains("the model has no equilibrium there: the spring mesh is unstable under the indentation"));
 }
 
 TEST_CASE("a force ten times too large is gated and four in a row cause a warning", "[adapt]") {
-    const TissueModel law = law_example();
-    const std::vector<ForceMeasurement> pokes = pokes_of(law, 10);
-    Adaptation adaptation(law, options());
+    const TissueModel model = energy_model_example();
+    const std::vector<ForceMeasurement> pokes = pokes_of(model, 10);
+    Adaptation adaptation(model, options());
     for (int i = 0; i < 4; ++i) adaptation.learn(pokes[static_cast<std::size_t>(i)]);
     const Eigen::VectorXd x = adaptation.state().x;
     for (int i = 4; i < 8; ++i) {
@@ -212,9 +212,9 @@ TEST_CASE("a force ten times too large is gated and four in a row cause a warnin
 }
 
 TEST_CASE("a drifting force sensor causes a warning in adaptation and a steady one none", "[adapt]") {
-    const TissueModel law = law_example();
-    const std::vector<ForceMeasurement> pokes = pokes_of(law, 40);
-    Adaptation adaptation(law, options("scale"));
+    const TissueModel model = energy_model_example();
+    const std::vector<ForceMeasurement> pokes = pokes_of(model, 40);
+    Adaptation adaptation(model, options("scale"));
     bool warned = false;
     for (std::size_t i = 0; i < pokes.size(); ++i) {
         ForceMeasurement poke = pokes[i];
@@ -223,27 +223,27 @@ TEST_CASE("a drifting force sensor causes a warning in adaptation and a steady o
     }
     CHECK(warned);
     // no warning without drift
-    Adaptation steady(law, options("scale"));
+    Adaptation steady(model, options("scale"));
     for (const ForceMeasurement& poke : pokes) CHECK(steady.learn(poke).warning.empty());
 }
 
 TEST_CASE("at least 85 % of test measurements lie within their predicted 95 % ellipse", "[adapt][long]") {
-    const TissueModel law = law_example();
+    const TissueModel model = energy_model_example();
     AdaptOptions o = options();
     o.model_error = 0.005;  // the references are models on the same mesh
     int inside = 0, all = 0;
     for (unsigned long seed = 1; seed <= 6; ++seed) {
         // tissues drawn from the prior
-        const Unknowns u = make_unknowns(law, "field", o.prior);
+        const Unknowns u = make_unknowns(model, "field", o.prior);
         const Eigen::LLT<Eigen::MatrixXd> root(u.prior + 1e-9 * Eigen::MatrixXd::Identity(u.size(), u.size()));
         Draw draw(seed);
         Eigen::VectorXd z(u.size());
         for (double& value : z) value = std::sqrt(-2 * std::log(draw(1e-12, 1))) * std::cos(6.283185307179586 * draw(0, 1));
-        TissueModel truth = law;
-        truth.energy_model = with_unknowns(*law.energy_model, u, (root.matrixL() * z).eval());
-        Adaptation adaptation(law, o);
-        for (const ForceMeasurement& poke : pokes_of(truth, 8, seed)) adaptation.learn(poke);
-        for (const ForceMeasurement& poke : pokes_of(truth, 15, 100 + seed)) {
+        TissueModel target = model;
+        target.energy_model = with_unknowns(*model.energy_model, u, (root.matrixL() * z).eval());
+        Adaptation adaptation(model, o);
+        for (const ForceMeasurement& poke : pokes_of(target, 8, seed)) adaptation.learn(poke);
+        for (const ForceMeasurement& poke : pokes_of(target, 15, 100 + seed)) {
             const Expected e = adaptation.expect(poke.contact_m, poke.push_m);
             const Point off = (poke.force_N - e.force_N) / e.force_N.norm();
             const Eigen::MatrixXd S = adaptation.covariance(e);
@@ -255,25 +255,25 @@ TEST_CASE("at least 85 % of test measurements lie within their predicted 95 % el
 }
 
 TEST_CASE("a place error of the contact increases the posterior variance", "[adapt]") {
-    const TissueModel law = law_example(), truth = stiffer(law, 0.4);
-    const ForceMeasurement poke = pokes_of(truth, 1, 4)[0];
+    const TissueModel model = energy_model_example(), target = stiffer(model, 0.4);
+    const ForceMeasurement poke = pokes_of(target, 1, 4)[0];
     AdaptOptions o = options("scale");
-    Adaptation sure(law, o);
+    Adaptation sure(model, o);
     o.place_error_m = 0.003;
-    Adaptation unsure(law, o);
+    Adaptation unsure(model, o);
     sure.learn(poke);
     unsure.learn(poke);
     CHECK(unsure.state().P(0, 0) > sure.state().P(0, 0));
 }
 
 TEST_CASE("measurements on relaxing tissue update the long-term or the instantaneous model as selected", "[adapt][memory]") {
-    const TissueModel law = relaxing(law_example()), truth = relaxing(stiffer(law_example(), 0.4));
+    const TissueModel model = relaxing(energy_model_example()), target = relaxing(stiffer(energy_model_example(), 0.4));
     for (bool at_rest : {true, false}) {
-        TissueModel read = truth, known = law;
-        read.energy_model = at_rest ? long_term(*truth.energy_model) : instantaneous(*truth.energy_model);
+        TissueModel read = target, known = model;
+        read.energy_model = at_rest ? long_term(*target.energy_model) : instantaneous(*target.energy_model);
         AdaptOptions o = options("scale");
         o.at_rest = at_rest;
-        Adaptation adaptation(law, o);
+        Adaptation adaptation(model, o);
         for (const ForceMeasurement& poke : pokes_of(read, 3)) CHECK(adaptation.learn(poke).status == UpdateStatus::learned);
         CHECK(adaptation.state().x[0] == Approx(0.4).epsilon(0.02));
         CHECK(adaptation.model().energy_model->relaxation.branches() == 3);
@@ -282,11 +282,11 @@ TEST_CASE("measurements on relaxing tissue update the long-term or the instantan
 
 TEST_CASE("adaptation refuses spring sets and an unknown kind of unknowns", "[adapt]") {
     CHECK_THROWS_WITH(Adaptation(haptic_example()), Contains("only an energy model learns"));
-    CHECK_THROWS_WITH(Adaptation(law_example(), options("colour")), Contains("'colour'") && Contains("field"));
+    CHECK_THROWS_WITH(Adaptation(energy_model_example(), options("colour")), Contains("'colour'") && Contains("field"));
 }
 
 TEST_CASE("a prediction off the tissue's surface or for an invalid displacement is refused", "[adapt]") {
-    Adaptation adaptation(law_example());
+    Adaptation adaptation(energy_model_example());
     const Point contact = Eigen::Vector2d(0.05, 0.1), push = Eigen::Vector2d(0, -0.004);
     CHECK(adaptation.expect(contact, push).status == SolverStatus::converged);
     for (const Point& wrong : {Point(Eigen::Vector2d(std::nan(""), 0.1)), Point(Eigen::Vector2d(5, 5)), Point(Eigen::Vector2d(0.05, 0)), Point(Eigen::Vector3d(0.05, 0.1, 0))})

@@ -11,7 +11,7 @@
 #include "../example.h"
 #include "../haptic/haptic_example.h"
 #include "../mesh/dome.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/free_surface.h"
 #include "springs/indentation_solver.h"
@@ -23,17 +23,17 @@ using Catch::Matchers::Contains;
 
 TEST_CASE("adaptation continued from a file equals uninterrupted adaptation bit for bit", "[adapt]") {
     const TemporaryFolder folder;
-    const TissueModel law = law_example();
-    const std::vector<ForceMeasurement> pokes = pokes_of(stiffer(law, 0.5), 12);
+    const TissueModel model = energy_model_example();
+    const std::vector<ForceMeasurement> pokes = pokes_of(stiffer(model, 0.5), 12);
     for (const std::string& kind : unknown_kinds()) {
         AdaptOptions options;
         options.unknowns = kind;
         options.place_error_m = 0.001;
         const std::string base = folder.file(kind + "0.h5"), half = folder.file(kind + "1.h5");
-        write_model(base, law, {"test", 0, {}});
+        write_model(base, model, {"test", 0, {}});
         CHECK_FALSE(adapted_options(base));
         const std::unique_ptr<Adaptation> first = read_adaptation(base, options);
-        Adaptation whole(law, options);
+        Adaptation whole(model, options);
         for (std::size_t i = 0; i < 6; ++i) {
             first->learn(pokes[i]);
             whole.learn(pokes[i]);
@@ -50,23 +50,23 @@ TEST_CASE("adaptation continued from a file equals uninterrupted adaptation bit 
         CHECK(then->state().x == whole.state().x);
         CHECK(then->state().P == whole.state().P);
         CHECK(then->state().refused == 1);
-        CHECK(then->law().constants == whole.law().constants);
+        CHECK(then->energy_model().constants == whole.energy_model().constants);
         CHECK(then->model().heuristic_a == whole.model().heuristic_a);
         then->forget();
-        CHECK(then->law().constants == law.energy_model->constants);
+        CHECK(then->energy_model().constants == model.energy_model->constants);
     }
 }
 
 TEST_CASE("an adapted model is read back with adapted contacts from a file of a later format version", "[adapt]") {
     const TemporaryFolder folder;
-    const TissueModel law = law_example();
-    const std::vector<ForceMeasurement> pokes = pokes_of(stiffer(law, 0.7), 8);
-    Adaptation adaptation(law);
+    const TissueModel model = energy_model_example();
+    const std::vector<ForceMeasurement> pokes = pokes_of(stiffer(model, 0.7), 8);
+    Adaptation adaptation(model);
     for (const ForceMeasurement& poke : pokes) adaptation.learn(poke);
     const std::string file = folder.file("model.h5");
     write_adapted_model(file, adaptation, {"test", 0, {}});
     const TissueModel read = read_model(file);
-    CHECK(read.energy_model->contact_log_scale == adaptation.law().contact_log_scale);
+    CHECK(read.energy_model->contact_log_scale == adaptation.energy_model().contact_log_scale);
     CHECK(adaptation.single_scale_in_use());
     CHECK(read_adaptation(file, {})->single_scale_in_use());
     CHECK(read_adaptation(file, {})->state().scale == adaptation.state().scale);
@@ -83,19 +83,19 @@ TEST_CASE("an adapted model is read back with adapted contacts from a file of a 
     // the tick has the same adapted contact
     HapticOptions options;
     options.heuristic_mesh = false;
-    const HapticModel plays(read, options), was(law, options);
+    const HapticModel plays(read, options), was(model, options);
     ToolSpring stiff, soft;
-    plays.meshes.front()->law->contact(25, {0.5, 0.5, 0}, {}, stiff);
-    was.meshes.front()->law->contact(25, {0.5, 0.5, 0}, {}, soft);
+    plays.meshes.front()->energy_model->contact(25, {0.5, 0.5, 0}, {}, stiff);
+    was.meshes.front()->energy_model->contact(25, {0.5, 0.5, 0}, {}, soft);
     const Point push = Eigen::Vector2d(0.001, -0.003);
-    const NodeColumns still = NodeColumns::Zero(law.mesh.node_count(), 2);
+    const NodeColumns still = NodeColumns::Zero(model.mesh.node_count(), 2);
     CHECK(stiff.tool_force_N(push, still).norm() / soft.tool_force_N(push, still).norm() == Approx(std::exp(0.7)).epsilon(0.2));
 }
 
 TEST_CASE("adaptation datasets that are missing or of the wrong size are refused", "[adapt]") {
     const TemporaryFolder folder;
-    Adaptation adaptation(law_example());
-    adaptation.learn(pokes_of(law_example(), 1)[0]);
+    Adaptation adaptation(energy_model_example());
+    adaptation.learn(pokes_of(energy_model_example(), 1)[0]);
     for (const DatasetRule& rule : adaptation_table()) {
         if (rule.optional) continue;
         const std::string file = folder.file("model.h5");
@@ -109,20 +109,20 @@ TEST_CASE("adaptation datasets that are missing or of the wrong size are refused
 }
 
 TEST_CASE("the next measurement is proposed where it reduces the posterior variance most", "[adapt]") {
-    const TissueModel law = law_example();
+    const TissueModel model = energy_model_example();
     AdaptOptions alone;
     alone.rival = false;
-    Adaptation adaptation(law, alone);
-    const std::vector<Push> pushes = pushes_over(adaptation.surface(), law.mesh, 0.005, 0.01);
+    Adaptation adaptation(model, alone);
+    const std::vector<Push> pushes = pushes_over(adaptation.surface(), model.mesh, 0.005, 0.01);
     CHECK(pushes.size() > 20);
     for (const Push& push : pushes) {
         CHECK(adaptation.surface().nearest(push.contact_m).distance_m < 1e-12);
         CHECK(push.push_m.norm() == Approx(0.005));
     }
     for (double depth : {-0.005, 0.0, std::nan(""), std::numeric_limits<double>::infinity()})
-        CHECK_THROWS_AS(pushes_over(adaptation.surface(), law.mesh, depth, 0.01), MismatchError);
+        CHECK_THROWS_AS(pushes_over(adaptation.surface(), model.mesh, depth, 0.01), MismatchError);
     // all measurements on the left: the best next one lies on the right
-    for (const ForceMeasurement& poke : pokes_of(law, 30))
+    for (const ForceMeasurement& poke : pokes_of(model, 30))
         if (poke.contact_m[0] < 0.05) adaptation.learn(poke);
     const std::vector<MeasurementGain> worth = rank_measurements(adaptation, pushes, pushes);
     REQUIRE(worth.size() == pushes.size());
@@ -142,11 +142,11 @@ TEST_CASE("the next measurement is proposed where it reduces the posterior varia
 }
 
 TEST_CASE("a proposed measurement has the standard deviation of the expected force while one scale is in use", "[adapt]") {
-    const TissueModel law = law_example();
-    Adaptation adaptation(law);
-    for (const ForceMeasurement& poke : pokes_of(stiffer(law, 0.5), 3)) adaptation.learn(poke);
+    const TissueModel model = energy_model_example();
+    Adaptation adaptation(model);
+    for (const ForceMeasurement& poke : pokes_of(stiffer(model, 0.5), 3)) adaptation.learn(poke);
     REQUIRE(adaptation.single_scale_in_use());
-    const std::vector<Push> pushes = pushes_over(adaptation.surface(), law.mesh, 0.005, 0.02);
+    const std::vector<Push> pushes = pushes_over(adaptation.surface(), model.mesh, 0.005, 0.02);
     for (const MeasurementGain& worth : rank_measurements(adaptation, pushes, pushes)) {
         const Push& push = pushes[worth.push];
         CHECK(worth.sd_before == Approx(std::sqrt(adaptation.covariance(adaptation.expect(push.contact_m, push.push_m), false).trace() / 2)));
@@ -180,7 +180,7 @@ TEST_CASE("measurements are read line by line and an invalid line is reported wi
 }
 
 TEST_CASE("the adapted field of an embedded lattice is also given at the nodes of the solid", "[adapt][embedded]") {
-    TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
+    TissueModel model = solid_model_example(embedded_lattice(dome(6), 0.011));
     AdaptOptions options;
     options.unknowns = "field";
     options.rival = false;

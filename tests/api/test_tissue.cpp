@@ -61,7 +61,7 @@ Eigen::Vector3d way(int k, bool solid) {
 TEST_CASE("a session in C has the forces of the library bit for bit and the same state", "[api]") {
     for (const int which : {0, 1, 2}) {
         const TemporaryFolder folder;
-        const TissueModel model = which == 0 ? haptic_example() : which == 1 ? relaxing(law_example()) : solid_example();
+        const TissueModel model = which == 0 ? haptic_example() : which == 1 ? relaxing(energy_model_example()) : solid_example();
         const std::string file = model_file(folder, model);
         const bool solid = which == 2;
         HapticOptions options;
@@ -111,7 +111,7 @@ TEST_CASE("a session in C has the forces of the library bit for bit and the same
                 }
                 CHECK(status == TISSUE_OK);
                 NodeColumns seen;
-                simulation.seen(0, seen);
+                simulation.displayed(0, seen);
                 CHECK(shown == NodeField(model.mesh.nodes + seen));
                 if (k == 200) skinned += seen != simulation.state(0).displacement;
             }
@@ -231,14 +231,14 @@ TEST_CASE("surfaces of boundary and nodule and an added organ move with the tiss
     tissue_close(&copy);
 
     const TemporaryFolder other;
-    Session plane(model_file(other, law_example()));
+    Session plane(model_file(other, energy_model_example()));
     CHECK(tissue_surface_points(plane.s, "boundary") == 0);
     CHECK(tissue_add_surface(plane.s, "organ", file.c_str(), 1e-3) == TISSUE_MISMATCH);
 }
 
 TEST_CASE("invalid arguments of the C interface give an error code and one line of text", "[api]") {
     const TemporaryFolder folder;
-    const std::string file = model_file(folder, law_example());
+    const std::string file = model_file(folder, energy_model_example());
     tissue_session* s = nullptr;
     CHECK(tissue_open((folder.file("nothing.h5")).c_str(), nullptr, &s) == TISSUE_BAD_FILE);
     CHECK(std::string(tissue_error()).find("nothing.h5") != std::string::npos);
@@ -275,7 +275,7 @@ TEST_CASE("invalid arguments of the C interface give an error code and one line 
     CHECK(opened({"axes", "x,-z", "offset", "0 0.1", "heuristic", "yes", "passivity", "no", "dt", "0.0005"}) == TISSUE_OK);
     // every option at extreme values: refused, or the force of the session is finite
     const std::string small = folder.file("small.h5");
-    write_model(small, law_example(make_lattice("grid8", 4, 4, 0.1, 0.1)), {"tissuectl test", 0, {}});
+    write_model(small, energy_model_example(make_lattice("grid8", 4, 4, 0.1, 0.1)), {"tissuectl test", 0, {}});
     for (const SessionOption& option : session_options())
         for (const char* worst : {"nan", "inf", "-inf", "-1", "0", "1e308", "1e-308", ""}) {
             std::vector<const char*> options{option.name, worst, nullptr};
@@ -332,7 +332,7 @@ TEST_CASE("invalid arguments of the C interface give an error code and one line 
 
 TEST_CASE("a tick preserves the caller's floating-point mode and does not depend on it", "[api]") {
     const TemporaryFolder folder;
-    const std::string file = model_file(folder, law_example());
+    const std::string file = model_file(folder, energy_model_example());
     Session usual(file), other(file);
     for (int k = 0; k < 600; ++k) {
         const Eigen::Vector3d at = way(k, false);  // in the usual mode
@@ -353,8 +353,8 @@ TEST_CASE("a tick preserves the caller's floating-point mode and does not depend
 
 TEST_CASE("sessions of one model can be saved and restored and copied and changed and taken over", "[api]") {
     const TemporaryFolder folder;
-    const TissueModel soft = relaxing(law_example());
-    TissueModel stiff = law_example();
+    const TissueModel soft = relaxing(energy_model_example());
+    TissueModel stiff = energy_model_example();
     stiff.energy_model->constants *= 1.5;
     const std::string file = model_file(folder, soft), other_file = folder.file("stiff.h5");
     write_model(other_file, stiff, {"test", 1, {}});
@@ -457,7 +457,7 @@ TEST_CASE("sessions of one model can be saved and restored and copied and change
 
 TEST_CASE("slow ticks of a C host stay short and lose tissue time; a replay loses none", "[api][long]") {
     const TemporaryFolder folder;
-    const std::string file = model_file(folder, law_example(make_lattice("grid8", 16, 16, 0.1, 0.1)));
+    const std::string file = model_file(folder, energy_model_example(make_lattice("grid8", 16, 16, 0.1, 0.1)));
     using Clock = std::chrono::steady_clock;
     const double at[3] = {0.05, 0.098, 0};
     struct Run {
@@ -497,7 +497,7 @@ TEST_CASE("slow ticks of a C host stay short and lose tissue time; a replay lose
 }
 
 TEST_CASE("hosts from 40 Hz or with a holding device from 10 Hz get the same force at rest", "[api]") {
-    for (const TissueModel& tissue : {haptic_example(), law_example()}) {
+    for (const TissueModel& tissue : {haptic_example(), energy_model_example()}) {
         HapticOptions holds = interface_options();
         holds.safety.hold_s = std::numeric_limits<double>::infinity();
         const HapticModel usual(tissue, interface_options()), for_ever(tissue, holds);
@@ -545,7 +545,7 @@ TEST_CASE("without elapsed time from the host the clock gives it from the second
     }
 
     const TemporaryFolder folder;
-    Session session(model_file(folder, law_example()));
+    Session session(model_file(folder, energy_model_example()));
     const double outside[3] = {0.05, 0.2, 0};
     double force[3];
     CHECK(tissue_tick(session.s, outside, -1, force) == TISSUE_OK);
@@ -592,7 +592,7 @@ TEST_CASE("the cost of ticks counts if the host's time follows the clock but not
 }
 
 TEST_CASE("a larger struct of a newer caller is filled with zeros at its end and a smaller one is refused", "[api]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     const TemporaryFolder folder;
     Session session(model_file(folder, tissue), {"force-max", "0.05"});
     double force[3];
@@ -614,7 +614,7 @@ TEST_CASE("a larger struct of a newer caller is filled with zeros at its end and
 
 TEST_CASE("kinetic friction set during a session can be reset to its default", "[api]") {
     const TemporaryFolder folder;
-    Session session(model_file(folder, law_example()));
+    Session session(model_file(folder, energy_model_example()));
     const auto set = [&](const char* name, const char* value) { return tissue_set(session.s, name, value); };
     CHECK(set("friction", "0.3") == TISSUE_OK);
     CHECK(set("friction-slip", "0.2") == TISSUE_OK);
@@ -628,7 +628,7 @@ TEST_CASE("kinetic friction set during a session can be reset to its default", "
 
 TEST_CASE("a late tick has status late and the session counts limited forces", "[api]") {
     const TemporaryFolder folder;
-    Session session(model_file(folder, law_example()), {"force-max", "0.05", "slew", "20"});
+    Session session(model_file(folder, energy_model_example()), {"force-max", "0.05", "slew", "20"});
     double force[3];
     for (int k = 0; k < 700; ++k) CHECK(tissue_tick(session.s, way(k, false).data(), 0, force) == TISSUE_OK);
     tissue_limits limits;
@@ -649,7 +649,7 @@ TEST_CASE("a late tick has status late and the session counts limited forces", "
     const double nowhere[3] = {std::nan(""), 0, 0};
     CHECK(tissue_tick(session.s, nowhere, 2, force) == TISSUE_FAULT);  // a fault takes precedence over a late tick
     // with a device that keeps its force only time is lost
-    Session keeps(model_file(folder, law_example()), {"hold", "inf"});
+    Session keeps(model_file(folder, energy_model_example()), {"hold", "inf"});
     for (int k = 0; k < 700; ++k) CHECK(tissue_tick(keeps.s, way(k, false).data(), 0, force) == TISSUE_OK);
     CHECK(tissue_tick(keeps.s, way(700, false).data(), 2, force) == TISSUE_OVERRUN);
     CHECK(std::string(tissue_status_text(TISSUE_OVERRUN)).find("time was lost") == 0);
@@ -658,7 +658,7 @@ TEST_CASE("a late tick has status late and the session counts limited forces", "
 
 TEST_CASE("force limited by the bound on energy is counted and recovers", "[api]") {
     const TemporaryFolder folder;
-    Session session(model_file(folder, law_example()));
+    Session session(model_file(folder, energy_model_example()));
     const auto press = [&](int ticks, double elapsed_s) {
         const double at[3] = {0.05, 0.095, 0};
         double force[3];

@@ -133,7 +133,7 @@ StepTimes time_steps(int side, int batches) {
 
 /// The time step of an energy model in its simplest form: springs along their current direction, areas of cells and
 /// regions.
-struct PlainLaw {
+struct PlainModel {
     struct Spring { int i, j; double k, length; };
     struct Ring { std::vector<int> nodes; double k, area; };
     struct Node { double x, y, vx, vy, fx, fy, inverse_mass; };
@@ -141,7 +141,7 @@ struct PlainLaw {
     std::vector<Ring> rings;
     std::vector<Node> nodes;
 
-    explicit PlainLaw(const TissueModel& m) {
+    explicit PlainModel(const TissueModel& m) {
         const Eigen::VectorXd& constants = m.energy_model->constants;
         for (int s = 0; s < m.mesh.spring_count(); ++s) {
             const int i = m.mesh.springs(s, 0), j = m.mesh.springs(s, 1);
@@ -325,11 +325,11 @@ struct PlainSolid {
 
 /// Steps of an energy model's mesh, ours and the peer's, from the same displacements.
 template <class Plain>
-StepTimes time_law_steps(const TissueModel& m, int batches) {
+StepTimes time_energy_model_steps(const TissueModel& m, int batches) {
     const RealtimeMesh springs(m.mesh, "geometric", m.node_mass_kg);
-    const RealtimeEnergyModel law(m, springs);
+    const RealtimeEnergyModel energy_model(m, springs);
     constexpr double dt = 5e-4;
-    const auto dynamics = make_dynamics("symplectic", springs, {dt, 1, &law});
+    const auto dynamics = make_dynamics("symplectic", springs, {dt, 1, &energy_model});
     MeshState state(springs, Eigen::VectorXd::Zero(springs.slot_count()));
     Plain plain(m);
     for (int n = 0; n < m.mesh.node_count(); ++n) {
@@ -391,7 +391,7 @@ std::pair<std::vector<double>, std::vector<double>> time_relaxing_steps(const Ti
 }
 
 /// An energy model on the lattice of `surface` with the heuristic's constants, two steps per tick.
-TissueModel made_up_law() {
+TissueModel made_up_model() {
     constexpr double thickness_m = 0.1;
     TissueModel m;
     m.study = "bench";
@@ -400,9 +400,9 @@ TissueModel made_up_law() {
     m.modulus_N_m = 4524 * thickness_m;
     m.node_mass_kg = node_masses(m.mesh, 1040, thickness_m);
     m.heuristic_a = heuristic_stiffness(m.mesh, m.modulus_N_m);
-    const EnergyModelTerms law(m.mesh, energy_model_heuristic(m.mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all"});
+    const EnergyModelTerms model_terms(m.mesh, energy_model_heuristic(m.mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
-    m.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    m.energy_model = {model_terms.terms(), p, model_terms.constants(p), model_terms.patch(p), model_terms.incompressible()};
     m.contact_m.resize(1, 2);
     m.direction.resize(1, 2);
     m.contact_m << 0.05, 0.1;
@@ -423,10 +423,10 @@ TissueModel made_up_solid(int cubes) {
     m.modulus_N_m = modulus_Pa;
     m.node_mass_kg = node_masses(m.mesh, 1040, 1);
     m.heuristic_a = heuristic_stiffness(m.mesh, modulus_Pa);
-    const EnergyModelTerms law(m.mesh, solid_heuristic(m.mesh, Eigen::VectorXd::Constant(m.mesh.spring_count(), modulus_Pa),
+    const EnergyModelTerms model_terms(m.mesh, solid_heuristic(m.mesh, Eigen::VectorXd::Constant(m.mesh.spring_count(), modulus_Pa),
                                                 Eigen::VectorXd::Constant(mesh_cells(m.mesh).rows(), modulus_Pa), modulus_Pa, 12, radius_m), {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
-    m.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    m.energy_model = {model_terms.terms(), p, model_terms.constants(p), model_terms.patch(p), model_terms.incompressible(), radius_m};
     m.contact_m.resize(1, 3);
     m.direction.resize(1, 3);
     m.contact_m << 0.05, 0.05, 0.05;
@@ -557,9 +557,9 @@ int main(int argc, char** argv) {
         Json list = Json::array();
         const StepTimes small = time_steps(11, 3000);
         list.push_back(entry("haptic: mesh step, 11 x 11 grid8 axial, 420 springs", "us", small.ours, small.peer));
-        const TissueModel law = made_up_law();
-        const StepTimes law_step = time_law_steps<PlainLaw>(law, 3000);
-        list.push_back(entry("haptic: mesh step, 11 x 11 grid8 law, 420 springs, 100 cells, 5 regions", "us", law_step.ours, law_step.peer));
+        const TissueModel law = made_up_model();
+        const StepTimes energy_model_step = time_energy_model_steps<PlainModel>(law, 3000);
+        list.push_back(entry("haptic: mesh step, 11 x 11 grid8 law, 420 springs, 100 cells, 5 regions", "us", energy_model_step.ours, energy_model_step.peer));
         const auto [relaxing, elastic] = time_relaxing_steps(law, 3000);
         list.push_back(entry("haptic: the same with three branches, beside it without", "us", relaxing, elastic));
         const StepTimes triangles = time_triangles();
@@ -569,7 +569,7 @@ int main(int argc, char** argv) {
         list.back()["n"] = triangles.ours.size();
         for (const int cubes : {10, 20}) {
             const TissueModel solid = made_up_solid(cubes);
-            const StepTimes step = time_law_steps<PlainSolid>(solid, 3000);
+            const StepTimes step = time_energy_model_steps<PlainSolid>(solid, 3000);
             const std::string name = "haptic: mesh step, " + std::to_string(cubes + 1) + " x " + std::to_string(cubes + 1) + " x " + std::to_string(cubes / 2 + 1) + " law in space, " +
                                      std::to_string(step.springs) + " springs, " + std::to_string(mesh_cells(solid.mesh).rows()) + " volumes";
             list.push_back(entry(name, "us", step.ours, step.peer));

@@ -32,7 +32,7 @@
 #include "mesh/free_surface.h"
 #include "springs/equilibrium.h"
 #include "springs/heuristic.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 #include "study/study.h"
 #include "train/bounded_lsq.h"
 #include "train/loss_terms.h"
@@ -330,23 +330,23 @@ Json bench_scaling(const std::string& study_file, const std::string& cases_file)
 struct SolidProblem {
     SpringMesh mesh;
     EnergyModelTerms law;
-    std::vector<PressPath> paths;
-    LawTrainingOptions options;
+    std::vector<IndentationPath> paths;
+    EnergyModelTrainingOptions options;
 
     SolidProblem(const Study& study, int count) : mesh(study_mesh(study, {}, study.springs.topology)), law(study_energy_model(study, {}, mesh)) {
         options.force_scale = study.training.force_scale;
         options.shape_scale = study.training.shape_scale;
         options.ridge = study.training.ridge;
         options.disc_radius_m = study.indenter.radius_m;
-        options.seen = seen_nodes(mesh);
+        options.compared = compared_nodes(mesh);
         options.threads = threads;
         Eigen::VectorXd truth(law.size());
         for (Eigen::Index t = 0; t < truth.size(); ++t) truth[t] = 0.3 * std::sin(1.7 * static_cast<double>(t + 1));
         const TissueEnergy energy = law.energy(mesh);
         const std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, options.disc_radius_m);
-        EquilibriumSolver solver(energy, *kernel, options.press);
+        EquilibriumSolver solver(energy, *kernel, options.equilibrium);
         for (int k = 0; k < count; ++k) {
-            PressPath& path = paths.emplace_back();
+            IndentationPath& path = paths.emplace_back();
             path.name = "push-" + std::to_string(k);
             const double turn = 2.4 * k, far = 0.3 * std::sqrt((k + 0.5) / count);  // contacts on a sunflower spiral
             path.contact_m = Eigen::Vector3d(study.geometry.width_m * (0.5 + far * std::cos(turn)),
@@ -356,7 +356,7 @@ struct SolidProblem {
             EquilibriumState state;
             for (const double depth_m : {0.004, 0.008}) {
                 const EquilibriumState before = state;
-                state = solver.press(law.constants(truth), contact, depth_m * direction, before.displacement.size() > 0 ? &before : nullptr);
+                state = solver.indent(law.constants(truth), contact, depth_m * direction, before.displacement.size() > 0 ? &before : nullptr);
                 if (state.status != SolverStatus::converged)
                     throw MismatchError("bench_train: " + path.name + " is " + to_string(state.status));
                 path.records.push_back({state.push_m, state.contact_force_N, state.displacement});
@@ -366,7 +366,7 @@ struct SolidProblem {
 
     /// Processor seconds per evaluation of the loss in training, the mean over the first iterations.
     double evaluation_seconds(int iterations = 4) const {
-        LawTrainingOptions few = options;
+        EnergyModelTrainingOptions few = options;
         few.fit.max_iterations = iterations;
         int evaluations = 0;
         const double seconds = processor_seconds_of([&] {

@@ -65,7 +65,7 @@ TEST_CASE("planned histories have unique names and surface contacts and start at
         const double arc = outline().arc_of(h.push.contact_m);
         CHECK((outline().position(arc) - h.push.contact_m).norm() < tolerance::rounding);
         CHECK(h.push.direction.norm() == Approx(1).epsilon(tolerance::rounding));
-        const Trajectory& c = h.course;
+        const Trajectory& c = h.trajectory;
         REQUIRE(c.push_m.rows() == c.time_s.size());
         CHECK(c.time_s[0] == 0);
         CHECK(c.push_m.row(0).norm() == 0);
@@ -99,8 +99,8 @@ TEST_CASE("contacts of histories are at least 2 mm or 5 degrees from every train
     for (const PlannedHistory& h : planned_histories(study)) {
         INFO(h.push.name);
         CHECK(apart(h.push.contact_m, h.push.direction));
-        const Eigen::Index last = h.course.time_s.size() - 1;
-        if (h.second_contact_m) CHECK(apart(*h.second_contact_m, h.course.push_m.row(last).transpose().normalized()));
+        const Eigen::Index last = h.trajectory.time_s.size() - 1;
+        if (h.second_contact_m) CHECK(apart(*h.second_contact_m, h.trajectory.push_m.row(last).transpose().normalized()));
     }
 }
 
@@ -111,7 +111,7 @@ TEST_CASE("histories depend on the seed of their own group and not on other grou
     more.histories[1].count = 5;
     const auto a = planned_histories(study), b = planned_histories(study), c = planned_histories(other), d = planned_histories(more);
     const auto same = [](const PlannedHistory& x, const PlannedHistory& y) {
-        return x.push.name == y.push.name && x.push.contact_m == y.push.contact_m && x.course.time_s == y.course.time_s && x.course.push_m == y.course.push_m;
+        return x.push.name == y.push.name && x.push.contact_m == y.push.contact_m && x.trajectory.time_s == y.trajectory.time_s && x.trajectory.push_m == y.trajectory.push_m;
     };
     REQUIRE(a.size() == c.size());
     for (std::size_t i = 0; i < a.size(); ++i) {
@@ -128,16 +128,16 @@ TEST_CASE("a ramp follows minimum jerk and holds; a release returns in the time 
         if (h.kind != "ramp" && h.kind != "release") continue;
         INFO(h.push.name);
         const Study::Histories& group = group_of(study, h);
-        const double end_s = h.course.time_s[h.course.time_s.size() - 1], strokes = h.kind == "ramp" ? 1 : 2, rise_s = end_s / strokes - group.hold_s;
+        const double end_s = h.trajectory.time_s[h.trajectory.time_s.size() - 1], strokes = h.kind == "ramp" ? 1 : 2, rise_s = end_s / strokes - group.hold_s;
         CHECK(rise_s >= group.rise_s[0] - 1e-9);
         CHECK(rise_s <= group.rise_s[1] + 1e-9);
-        for (Eigen::Index t = 0; t < h.course.time_s.size(); ++t) {
-            const double at = h.course.time_s[t], back = at - rise_s - group.hold_s;
+        for (Eigen::Index t = 0; t < h.trajectory.time_s.size(); ++t) {
+            const double at = h.trajectory.time_s[t], back = at - rise_s - group.hold_s;
             double part = minimum_jerk(std::min(at / rise_s, 1.0));
             if (h.kind == "release" && back > 0) part = 1 - minimum_jerk(std::min(back / rise_s, 1.0));
-            CHECK((h.course.push_m.row(t).transpose() - part * h.push.depth_m * h.push.direction).norm() < 1e-12);
+            CHECK((h.trajectory.push_m.row(t).transpose() - part * h.push.depth_m * h.push.direction).norm() < 1e-12);
         }
-        CHECK(h.course.contact == std::vector<int>(h.course.contact.size(), 1));
+        CHECK(h.trajectory.contact == std::vector<int>(h.trajectory.contact.size(), 1));
     }
 }
 
@@ -147,12 +147,12 @@ TEST_CASE("a history of kind poke never rests and ends within its wander angle a
         if (h.kind != "poke") continue;
         INFO(h.push.name);
         const Study::Histories& group = group_of(study, h);
-        const double end_s = h.course.time_s[h.course.time_s.size() - 1];
+        const double end_s = h.trajectory.time_s[h.trajectory.time_s.size() - 1];
         CHECK(end_s >= group.duration_s);
         CHECK(end_s < group.duration_s + group.rise_s[1]);
         // no rest: consecutive displacements differ
-        for (Eigen::Index t = 0; t + 1 < h.course.time_s.size(); ++t) CHECK(h.course.push_m.row(t) != h.course.push_m.row(t + 1));
-        const Point last = h.course.push_m.row(h.course.time_s.size() - 1).transpose();
+        for (Eigen::Index t = 0; t + 1 < h.trajectory.time_s.size(); ++t) CHECK(h.trajectory.push_m.row(t) != h.trajectory.push_m.row(t + 1));
+        const Point last = h.trajectory.push_m.row(h.trajectory.time_s.size() - 1).transpose();
         CHECK(std::acos(std::clamp(last.normalized().dot(h.push.direction), -1.0, 1.0)) <= group.wander_deg * degree + 1e-9);
         CHECK(last.norm() >= group.depth_m[0] - 1e-12);
     }
@@ -168,14 +168,14 @@ TEST_CASE("a second contact lies at its distance or at the first contact after 0
             REQUIRE(h.second_contact_m.has_value() == elsewhere);
             if (elsewhere) CHECK(std::abs(outline().arc_of(*h.second_contact_m) - outline().arc_of(h.push.contact_m)) == Approx(group.apart_m).epsilon(1e-9));
             double left = 0, landed = 0;
-            for (Eigen::Index t = 1; t < h.course.time_s.size(); ++t) {
-                const int before = h.course.contact[static_cast<std::size_t>(t - 1)], now = h.course.contact[static_cast<std::size_t>(t)];
-                if (before == 1 && now == 0) left = h.course.time_s[t - 1];
-                if (before == 0 && now != 0) landed = h.course.time_s[t - 1];
+            for (Eigen::Index t = 1; t < h.trajectory.time_s.size(); ++t) {
+                const int before = h.trajectory.contact[static_cast<std::size_t>(t - 1)], now = h.trajectory.contact[static_cast<std::size_t>(t)];
+                if (before == 1 && now == 0) left = h.trajectory.time_s[t - 1];
+                if (before == 0 && now != 0) landed = h.trajectory.time_s[t - 1];
             }
             CHECK(landed - left == Approx(0.8).epsilon(1e-9));
-            CHECK(h.course.contact.back() == (elsewhere ? 2 : 1));
-            CHECK(h.course.push_m.row(h.course.time_s.size() - 1).norm() == Approx(h.push.depth_m).epsilon(1e-9));
+            CHECK(h.trajectory.contact.back() == (elsewhere ? 2 : 1));
+            CHECK(h.trajectory.push_m.row(h.trajectory.time_s.size() - 1).norm() == Approx(h.push.depth_m).epsilon(1e-9));
         }
     };
     check(true);
@@ -202,8 +202,8 @@ TEST_CASE("the plan solves histories in permanent contact on relaxing and on ela
     for (const char* name : {"ramp-0001", "ramp-0001-elastic"})
         CHECK_THAT(plan.fragment, Contains(std::string("$(R)/cases/") + name + ".csv: $(R)/plan/path-" + name + " $(R)/plan/history-ramp-0001 $(R)/mesh.msh"));
     CHECK_THAT(plan.fragment, Contains(" -history $(R)/plan/history-ramp-0001 ") && Contains(" ramp-0001 ramp-0001-elastic "));
-    const std::string& course = plan.parts.at("history-ramp-0001");
-    CHECK(course.substr(0, course.find('\n')) == "0 0 0 0 1");
+    const std::string& trajectory = plan.parts.at("history-ramp-0001");
+    CHECK(trajectory.substr(0, trajectory.find('\n')) == "0 0 0 0 1");
     CHECK_THAT(plan.parts.at("collect"), Contains("history ramp held_out ramp-0001\n") && Contains("history poke validation poke-0001\n"));
 }
 
@@ -230,12 +230,12 @@ TEST_CASE("histories in space keep their tilt and clearance and a nodule has its
     REQUIRE(histories.size() == 4);
     for (const PlannedHistory& h : histories) {
         INFO(h.push.name);
-        REQUIRE(h.course.push_m.cols() == 3);
+        REQUIRE(h.trajectory.push_m.cols() == 3);
         CHECK(h.push.contact_m[2] == 0.05);
         CHECK(-h.push.direction[2] >= std::cos(30 * degree) - 1e-9);
         const double wall = std::min({h.push.contact_m[0], 0.1 - h.push.contact_m[0], h.push.contact_m[1], 0.08 - h.push.contact_m[1]});
         CHECK(wall >= 0.02 - 1e-12);
-        const Point last = h.course.push_m.row(h.course.time_s.size() - 1).transpose();
+        const Point last = h.trajectory.push_m.row(h.trajectory.time_s.size() - 1).transpose();
         const double off = std::acos(std::clamp(last.normalized().dot(h.push.direction), -1.0, 1.0)) / degree;
         CHECK(off <= (h.kind == "poke" ? 25 + 1e-6 : 1e-5));
     }

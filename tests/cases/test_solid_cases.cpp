@@ -134,13 +134,13 @@ TEST_CASE("a nodule in a block stiffens cells by their fraction inside and its p
 
     Study other = solid();
     other.springs.terms = {"spring.nodule", "cell.nodule", "contact.normal.ground"};
-    const EnergyModelTerms law = study_energy_model(other, {}, mesh);
+    const EnergyModelTerms model_terms = study_energy_model(other, {}, mesh);
     Eigen::VectorXd p = Eigen::VectorXd::Zero(3);
-    const Eigen::VectorXd before = law.constants(p);
+    const Eigen::VectorXd before = model_terms.constants(p);
     p << 1, 0, 0;
-    const Eigen::VectorXd ratio = law.constants(p).cwiseQuotient(before).head(mesh.spring_count());
+    const Eigen::VectorXd ratio = model_terms.constants(p).cwiseQuotient(before).head(mesh.spring_count());
     CHECK((ratio - solid_moduli(solid(), {}, mesh, mesh.springs) / E).norm() < 1e-9);  // exp(1 log(E / E_block))
-    CHECK(law.ground() == points);
+    CHECK(model_terms.ground() == points);
     other.nodule.reset();
     for (const char* term : {"spring.nodule", "cell.nodule", "contact.hardening.ground"}) {
         other.springs.terms = {"spring.all", term};
@@ -470,7 +470,7 @@ TEST_CASE("cases in space are read back unchanged from a file of a later format 
     const Cases cases = solid_cases();
     write_cases(file, cases, {"tissuectl test", 0, {}});
     CHECK(Hdf5Reader(file, "cases").number_attribute("/", "format_version") == solid_format_version);
-    CHECK(solid_format_version > law_format_version);
+    CHECK(solid_format_version > energy_model_format_version);
     const Cases after = read_cases(file);
     CHECK(after.nodes == cases.nodes);
     REQUIRE(after.paths.size() == cases.paths.size());
@@ -538,16 +538,16 @@ TEST_CASE("relative moduli are those of the material and stiffness-weighted mean
     s.material.viscosity = {{0.3, 0.05}, {0.2, 1}};
     s.material.share = {0.3, 0.2};
     s.nodule->share = s.material.share;
-    const EnergyModelTerms law = study_energy_model(s, {}, mesh);
-    const Relaxation even = study_relaxation(s, {}, mesh, law);
-    const Eigen::Index elements = law.energy(mesh).constant_count() - mesh.support_count();  // supports do not relax
+    const EnergyModelTerms model_terms = study_energy_model(s, {}, mesh);
+    const Relaxation even = study_relaxation(s, {}, mesh, model_terms);
+    const Eigen::Index elements = model_terms.energy(mesh).constant_count() - mesh.support_count();  // supports do not relax
     CHECK(even.tau_s == Eigen::Vector2d(0.05, 1));
     CHECK(even.contact_share == Eigen::Vector2d(0.3, 0.2));
-    CHECK(even.share.rows() == law.energy(mesh).constant_count());
+    CHECK(even.share.rows() == model_terms.energy(mesh).constant_count());
     CHECK((even.share.col(0).head(elements).array() == 0.3).all());
 
     s.nodule->share = {0.1, 0.2};
-    const Relaxation own = study_relaxation(s, {}, mesh, law);
+    const Relaxation own = study_relaxation(s, {}, mesh, model_terms);
     CHECK((own.share.col(1).head(elements).array() == 0.2).all());
     const Eigen::VectorXd inside = fraction_inside(mesh, mesh.springs, s.nodule->inclusion);
     CHECK(inside.maxCoeff() > 0.3);

@@ -333,7 +333,7 @@ TEST_CASE("lattice pieces and supports have the stiffness of their tissue and be
         CHECK(whole == elastic);
         lain->bed[0] = 2;
         CHECK_THAT(refusal<MismatchError>([&] { study_energy_model(bedded, lain, mesh); }), Contains("has a bed 2, and the study has 1 beds"));
-        const Eigen::ArrayXd compliance = rigid.tail(M).array().inverse() + (3e5 * held_areas(mesh)).array().inverse();
+        const Eigen::ArrayXd compliance = rigid.tail(M).array().inverse() + (3e5 * fixed_areas(mesh)).array().inverse();
         CHECK((elastic.tail(M).array() * compliance - 1).abs().maxCoeff() < tolerance::rounding);
 
         // bed under one half: elastic supports there, rigid ones on the other half, weighted by area between them
@@ -419,18 +419,18 @@ TEST_CASE("a nodule stiffens cells of a solid shape by their fraction inside and
     const double E = 6 * 754.0;
     CHECK((solid_moduli(s, shape(), mesh, mesh_cells(mesh)) - (E * (1 + 3 * inside.array())).matrix()).norm() < 1e-9 * E);
     s.springs.terms = {"spring.nodule", "cell.nodule", "contact.normal.ground"};
-    const EnergyModelTerms law = study_energy_model(s, shape(), mesh);
+    const EnergyModelTerms model_terms = study_energy_model(s, shape(), mesh);
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(3), plain = study_energy_model(study(), shape(), mesh).constants(Eigen::VectorXd::Zero(2));
-    const Eigen::VectorXd ratio = law.constants(none).cwiseQuotient(plain);
+    const Eigen::VectorXd ratio = model_terms.constants(none).cwiseQuotient(plain);
     CHECK(ratio.minCoeff() == Approx(1).epsilon(tolerance::rounding));
     CHECK(ratio.maxCoeff() > 2);
     CHECK(ratio.maxCoeff() <= 4 * (1 + tolerance::rounding));
     Eigen::VectorXd one = none;
     one << 1, 0, 0;  // factor (E / E of the base material)^p with p = 1
-    const Eigen::VectorXd more = law.constants(one).cwiseQuotient(law.constants(none)).head(mesh.spring_count());
+    const Eigen::VectorXd more = model_terms.constants(one).cwiseQuotient(model_terms.constants(none)).head(mesh.spring_count());
     CHECK((more - ratio.head(mesh.spring_count())).norm() < 1e-9 * more.norm());
-    CHECK(law.ground() == nodule_points(s));
-    CHECK(law.ground().col(3).sum() == Approx(std::log(4.0) * ball_m3).epsilon(1e-6));
+    CHECK(model_terms.ground() == nodule_points(s));
+    CHECK(model_terms.ground().col(3).sum() == Approx(std::log(4.0) * ball_m3).epsilon(1e-6));
     // arguments for gmsh and FreeFEM
     s.geometry.shape = "fem/dome.geo";
     s.name = "dome";

@@ -17,7 +17,7 @@ const SpringMesh& block() {
 }
 
 /// References computed with springs `theta` at some contacts, also between nodes.
-std::vector<ContactReference> truths(const SpringLaw& law, const Eigen::VectorXd& theta) {
+std::vector<ContactReference> references(const SpringLaw& law, const Eigen::VectorXd& theta) {
     std::vector<ContactReference> list;
     for (const auto& [x, y, dx, dy] : std::vector<std::array<double, 4>>{
              {0, 0.04, 0.01, 0}, {0.1, 0.071, -0.005, -0.004}, {0.033, 0.1, 0.001, -0.01}}) {
@@ -31,13 +31,13 @@ std::vector<ContactReference> truths(const SpringLaw& law, const Eigen::VectorXd
 }
 
 ContactError error_of_springs(const SpringMesh& mesh, const SpringLaw& law, const Eigen::VectorXd& theta,
-                              const ContactReference& truth) {
-    return error_of(answer_of(mesh, law, theta, truth), truth, mesh);
+                              const ContactReference& reference) {
+    return error_of(answer_of(mesh, law, theta, reference), reference, mesh);
 }
 
 /// The first of these references, and an answer equal to a reference.
 ContactReference seen() { return truths(*make_spring_law("axial"), example_theta(block()))[0]; }
-ContactAnswer agreeing(const ContactReference& truth) { return {truth.force_N, truth.displacement_m}; }
+ContactAnswer agreeing(const ContactReference& reference) { return {reference.force_N, reference.displacement_m}; }
 
 }  // namespace
 
@@ -45,9 +45,9 @@ TEST_CASE("springs of the reference have no indentation errors; half the stiffne
     for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
         const Eigen::VectorXd theta = example_theta(block());
-        for (const ContactReference& truth : truths(*law, theta)) {
-            const ContactError own = error_of_springs(block(), *law, theta, truth),
-                               half = error_of_springs(block(), *law, theta / 2, truth);
+        for (const ContactReference& reference : truths(*law, theta)) {
+            const ContactError own = error_of_springs(block(), *law, theta, reference),
+                               half = error_of_springs(block(), *law, theta / 2, reference);
             CHECK(own.force.value() <= tolerance::newton);
             CHECK(half.force.value() == Approx(0.5).epsilon(tolerance::newton));
             for (const ContactError& e : {own, half}) {
@@ -62,83 +62,83 @@ TEST_CASE("springs of the reference have no indentation errors; half the stiffne
 TEST_CASE("the indentation error of force includes components across the tool displacement") {
     const auto law = make_spring_law("axial");
     const Eigen::VectorXd theta = example_theta(block());
-    ContactReference truth = truths(*law, theta)[1];
-    const Eigen::Vector2d force = truth.force_N;
-    truth.force_N = Eigen::Vector2d(-force.y(), force.x());  // of the same size, rotated by 90 degrees
-    const ContactError error = error_of_springs(block(), *law, theta, truth);
+    ContactReference reference = truths(*law, theta)[1];
+    const Eigen::Vector2d force = reference.force_N;
+    reference.force_N = Eigen::Vector2d(-force.y(), force.x());  // of the same size, rotated by 90 degrees
+    const ContactError error = error_of_springs(block(), *law, theta, reference);
     CHECK(error.force.value() == Approx(std::sqrt(2)).epsilon(tolerance::solve));
     CHECK(error.shape.value() <= tolerance::newton);  // displacements are not affected
 }
 
 TEST_CASE("half the displacements have a displacement error of 1/2 and zero displacements an error of 1") {
-    const ContactReference truth = seen();
-    ContactAnswer answer = agreeing(truth);
-    CHECK(error_of(answer, truth, block()).shape.value() == 0);
+    const ContactReference reference = seen();
+    ContactAnswer answer = agreeing(reference);
+    CHECK(error_of(answer, reference, block()).shape.value() == 0);
     answer.displacement_m /= 2;
-    CHECK(error_of(answer, truth, block()).shape.value() == Approx(0.5).epsilon(tolerance::rounding));
+    CHECK(error_of(answer, reference, block()).shape.value() == Approx(0.5).epsilon(tolerance::rounding));
     answer.displacement_m.setZero();
-    const ContactError none = error_of(answer, truth, block());
+    const ContactError none = error_of(answer, reference, block());
     CHECK(none.shape.value() == Approx(1).epsilon(tolerance::rounding));
     CHECK(none.shape_max_over_depth.value() ==
-          Approx(truth.displacement_m.rowwise().norm().maxCoeff() / truth.push_m.norm()).epsilon(tolerance::rounding));
+          Approx(reference.displacement_m.rowwise().norm().maxCoeff() / reference.push_m.norm()).epsilon(tolerance::rounding));
 }
 
 TEST_CASE("a uniform offset is an error of its length over rms displacement and over tool displacement") {
-    const ContactReference truth = seen();
-    ContactAnswer answer = agreeing(truth);
+    const ContactReference reference = seen();
+    ContactAnswer answer = agreeing(reference);
     const Eigen::RowVector2d offset(0.0003, -0.0004);
     answer.displacement_m.rowwise() += offset;
     double squares = 0;
     int free = 0;
     for (int i = 0; i < block().node_count(); ++i)
-        if (block().nodes(i, 1) > 0) ++free, squares += truth.displacement_m.row(i).squaredNorm();
-    const ContactError error = error_of(answer, truth, block());
+        if (block().nodes(i, 1) > 0) ++free, squares += reference.displacement_m.row(i).squaredNorm();
+    const ContactError error = error_of(answer, reference, block());
     CHECK(error.shape.value() == Approx(0.0005 / std::sqrt(squares / free)).epsilon(tolerance::rounding));
     CHECK(error.shape_max_over_depth.value() == Approx(0.0005 / 0.01).epsilon(tolerance::rounding));
 }
 
 TEST_CASE("an error at one node is the largest node error and its part of the rms") {
-    const ContactReference truth = seen();
-    ContactAnswer answer = agreeing(truth);
+    const ContactReference reference = seen();
+    ContactAnswer answer = agreeing(reference);
     answer.displacement_m(block().node_count() - 1, 0) += 0.002;
-    const ContactError error = error_of(answer, truth, block());
+    const ContactError error = error_of(answer, reference, block());
     CHECK(error.shape_max_over_depth.value() == Approx(0.2).epsilon(tolerance::rounding));
-    CHECK(error.shape.value() == Approx(0.002 / truth.displacement_m.norm()).epsilon(tolerance::rounding));
+    CHECK(error.shape.value() == Approx(0.002 / reference.displacement_m.norm()).epsilon(tolerance::rounding));
 }
 
 TEST_CASE("fixed nodes do not count in the displacement error") {
-    ContactReference truth = seen();
-    ContactAnswer answer = agreeing(truth);
+    ContactReference reference = seen();
+    ContactAnswer answer = agreeing(reference);
     answer.displacement_m /= 2;
     for (int node : block().fixed) {
-        truth.displacement_m.row(node) << 0.1, 0.1;
+        reference.displacement_m.row(node) << 0.1, 0.1;
         answer.displacement_m.row(node) << -7, 7;
     }
-    const ContactError error = error_of(answer, truth, block());
+    const ContactError error = error_of(answer, reference, block());
     CHECK(error.shape.value() == Approx(0.5).epsilon(tolerance::rounding));
     CHECK(error.shape_max_over_depth.value() < 1);
 }
 
 TEST_CASE("without displacements of answer or reference only the force error exists") {
-    ContactReference truth = seen();
-    ContactAnswer answer = agreeing(truth);
+    ContactReference reference = seen();
+    ContactAnswer answer = agreeing(reference);
     answer.displacement_m.resize(0, 2);  // a table of forces
-    const ContactError table = error_of(answer, truth, block());
+    const ContactError table = error_of(answer, reference, block());
     CHECK(table.force.value() == 0);
     CHECK_FALSE(table.shape);
     CHECK_FALSE(table.shape_max_over_depth);
-    answer = agreeing(truth);
-    truth.displacement_m.resize(0, 2);  // measured: no displacement field
-    CHECK(error_of(answer, truth, block()).force.value() == 0);
-    CHECK_FALSE(error_of(answer, truth, block()).shape);
+    answer = agreeing(reference);
+    reference.displacement_m.resize(0, 2);  // measured: no displacement field
+    CHECK(error_of(answer, reference, block()).force.value() == 0);
+    CHECK_FALSE(error_of(answer, reference, block()).shape);
 }
 
 TEST_CASE("a non-finite answer counts as missing with infinite errors") {
-    const ContactReference truth = seen();
+    const ContactReference reference = seen();
     for (const bool of_force : {true, false}) {
-        ContactAnswer answer = agreeing(truth);
+        ContactAnswer answer = agreeing(reference);
         (of_force ? (*answer.force_N)[0] : answer.displacement_m(7, 1)) = std::nan("");
-        const ContactError e = error_of(answer, truth, block());
+        const ContactError e = error_of(answer, reference, block());
         for (const std::optional<double>& error : {e.force, e.shape, e.shape_max_over_depth}) CHECK(std::isinf(error.value()));
         CHECK_THAT(e.reason, Contains("not finite"));
         const ContactStatistics s = contact_statistics({e});
@@ -150,8 +150,8 @@ TEST_CASE("a non-finite answer counts as missing with infinite errors") {
 TEST_CASE("displacements of another topology are compared at the same nodes") {
     const SpringMesh axes = make_lattice("grid4", 5, 5, 0.1, 0.1);
     const auto law = make_spring_law("isotropic");
-    for (const ContactReference& truth : truths(*make_spring_law("axial"), example_theta(block()))) {
-        const ContactError error = error_of_springs(axes, *law, uniform_stiffness(axes, 1), truth);
+    for (const ContactReference& reference : truths(*make_spring_law("axial"), example_theta(block()))) {
+        const ContactError error = error_of_springs(axes, *law, uniform_stiffness(axes, 1), reference);
         CHECK(error.shape.value() > 0.01);
         CHECK(error.shape.value() < 2);
     }
@@ -206,10 +206,10 @@ TEST_CASE("the best uniform stiffness stays in its range") {
 TEST_CASE("a mesh with zero-energy modes has no answer and no best uniform stiffness") {
     const SpringMesh grid4 = make_lattice("grid4", 5, 5, 0.1, 0.1);
     const auto law = make_spring_law("axial");
-    const ContactReference truth{locate_on_surface(grid4, {0, 0.04}), Eigen::Vector2d(0.01, 0), Eigen::Vector2d(1, 0)};
-    const ContactError error = error_of_springs(grid4, *law, heuristic_stiffness(grid4, 1), truth);
+    const ContactReference reference{locate_on_surface(grid4, {0, 0.04}), Eigen::Vector2d(0.01, 0), Eigen::Vector2d(1, 0)};
+    const ContactError error = error_of_springs(grid4, *law, heuristic_stiffness(grid4, 1), reference);
     CHECK(std::isinf(error.force.value()));  // a missing answer
     CHECK_FALSE(error.shape);                // the reference has no displacement field
     CHECK_THAT(error.reason, Contains("zero-energy modes"));
-    CHECK_FALSE(best_uniform_stiffness(grid4, *law, {truth}, 0.05, 40));
+    CHECK_FALSE(best_uniform_stiffness(grid4, *law, {reference}, 0.05, 40));
 }

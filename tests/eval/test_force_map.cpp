@@ -14,7 +14,7 @@ namespace {
 
 /// Paths of a map at these places along the middle of the example's top, with 1.1 times the forces of the given model.
 Cases mapped(const TissueModel& model, const std::vector<double>& x_m) {
-    const IndentationSolver press(model);
+    const IndentationSolver solver(model);
     const Point down = Eigen::Vector3d(0, 0, -1);
     Cases cases;
     for (double x : x_m) {
@@ -24,7 +24,7 @@ Cases mapped(const TissueModel& model, const std::vector<double>& x_m) {
         path.contact_m = Eigen::Vector3d(x, 0.05, 0.05);
         path.direction = down;
         path.depth_m = 0.003;
-        const Equilibrium state = press.at(path.contact_m, 0.003 * down);
+        const Equilibrium state = solver.at(path.contact_m, 0.003 * down);
         REQUIRE(state);
         PathRecord record;
         record.magnitude_m = 0.003;

@@ -89,17 +89,17 @@ TEST_CASE("a force relaxed by Maxwell branches equals the closed form for unequa
 }
 
 TEST_CASE("the dynamic force of a relaxing model is its static force relaxed by its Maxwell branches", "[histories][long]") {
-    const TissueModel model = relaxing(law_example());
+    const TissueModel model = relaxing(energy_model_example());
     const HapticModel haptic(model, alone());
     const History h = ramp(0.008, 2, 6);
     const NodeField answer = play_history(haptic, h);
-    const IndentationSolver press(model);  // of the instantaneous model
+    const IndentationSolver solver(model);  // of the instantaneous model
     NodeField statics(h.time_s.size(), 2);
     for (Eigen::Index n = 0; n < statics.rows(); ++n)
         if (n > 0 && h.push_m.row(n) == h.push_m.row(n - 1))  // held
             statics.row(n) = statics.row(n - 1);
         else
-            statics.row(n) = press.at(h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
+            statics.row(n) = solver.at(h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
     const NodeField expected = relaxed(h.time_s, statics, model.energy_model->relaxation.tau_s, model.energy_model->relaxation.contact_share);
     // cells keep their area while springs relax, so that the shape changes slightly
     CHECK(history_error(h.time_s, expected, answer).rms < 0.01);
@@ -107,7 +107,7 @@ TEST_CASE("the dynamic force of a relaxing model is its static force relaxed by 
 }
 
 TEST_CASE("force is zero while the tool is away and a second indentation at the contact is softer", "[histories]") {
-    const TissueModel model = relaxing(law_example());
+    const TissueModel model = relaxing(energy_model_example());
     const HapticModel haptic(model, alone());
     History h = ramp(0.008, 0.3, 2);
     for (std::size_t n = 150; n < 250; ++n) h.contact[n] = 0;
@@ -132,7 +132,7 @@ TEST_CASE("force is zero while the tool is away and a second indentation at the 
 }
 
 TEST_CASE("baselines of a relaxing model have the expected errors and recover references of their own kind", "[histories][long]") {
-    const TissueModel model = relaxing(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)));
+    const TissueModel model = relaxing(energy_model_example(make_lattice("grid8", 6, 6, 0.1, 0.1)));
     HapticOptions still = alone();
     const HapticModel haptic(model, still);
     still.damping_ratio = haptic.options.damping_ratio;
@@ -231,7 +231,7 @@ TEST_CASE("test histories within 2 mm of a training contact of the energy model 
 }
 
 TEST_CASE("force is full in the last step in contact and zero at both ends of an absence", "[histories]") {
-    const TissueModel model = relaxing(law_example());
+    const TissueModel model = relaxing(energy_model_example());
     const HapticModel haptic(model, alone());
     History h = ramp(0.008, 0.3, 1.2);
     for (Eigen::Index n = 0; n < h.time_s.size(); ++n) h.time_s[n] += 0.0004 * (n > 0);  // between ticks

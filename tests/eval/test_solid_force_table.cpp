@@ -7,7 +7,7 @@
 #include "mesh/topology.h"
 #include "../example.h"
 #include "../mesh/dome.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "mesh/embedded_lattice.h"
 #include "springs/supports.h"
 #include "../tolerances.h"
@@ -70,7 +70,7 @@ TEST_CASE("a square block has seven symmetries and an oblong one three; a nodule
     CHECK(symmetries_of(nodule).size() == 1);
     const SpringMesh oblong = embedded_block(Lattice{{5, 4, 2}, {0.125, 0.1, 0.05}});
     model.mesh = oblong;
-    model.energy_model->constants.tail(oblong.support_count()) = held_areas(oblong);
+    model.energy_model->constants.tail(oblong.support_count()) = fixed_areas(oblong);
     CHECK(symmetries_of(model).size() == 3);
     TissueModel uneven = model;  // supports of two stiffnesses
     uneven.energy_model->constants.tail(1) *= 2;
@@ -80,7 +80,7 @@ TEST_CASE("a square block has seven symmetries and an oblong one three; a nodule
     TissueModel other = model;
     other.mesh = aside;
     CHECK(symmetries_of(other).empty());
-    CHECK(symmetries_of(solid_law_example(embedded_lattice(dome(6), 0.011))).empty());
+    CHECK(symmetries_of(solid_model_example(embedded_lattice(dome(6), 0.011))).empty());
     model.mesh = make_lattice("grid8", 4, 4, 0.1, 0.1);
     model.energy_model.reset();
     REQUIRE(symmetries_of(model).size() == 1);

@@ -58,11 +58,11 @@ TEST_CASE("a stiffer set at the larger magnitude is a step and a soft one lowers
 }
 
 TEST_CASE("grid8 has no zero-energy modes on its supports and grid4 with axial springs has some") {
-    const Example stable = example("grid8"), floppy = example("grid4");
+    const Example stable = example("grid8"), singular = example("grid4");
     const SpringCharacter c = spring_character(stable.model, stable.cases, stable.model.heuristic_a.transpose());
     CHECK(c.smallest_eigenvalue > 0);
-    CHECK(c.floppy_sets == 0);
-    CHECK(spring_character(floppy.model, floppy.cases, floppy.model.heuristic_a.transpose()).floppy_sets == 1);
+    CHECK(c.singular_sets == 0);
+    CHECK(spring_character(singular.model, singular.cases, singular.model.heuristic_a.transpose()).singular_sets == 1);
 }
 
 TEST_CASE("a larger ridge gives a larger loss and a smaller distance from the heuristic") {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../mesh/embedded_block.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "../tolerances.h"
 #include "eval/evaluation.h"
 #include "eval/held_out.h"
@@ -20,11 +20,11 @@ namespace {
 
 TrainedModel model() {
     TrainedModel m;
-    static_cast<TissueModel&>(m) = solid_law_example(embedded_block(Lattice{{8, 8, 3}, {0.08, 0.08, 0.03}}));
-    EnergyModelDiagnostics& book = m.books.law.emplace();
-    book.status = {"small_gain"};
-    book.start_objective = book.gradient = Eigen::VectorXd::Ones(1);
-    book.iterations = book.evaluations = {1};
+    static_cast<TissueModel&>(m) = solid_model_example(embedded_block(Lattice{{8, 8, 3}, {0.08, 0.08, 0.03}}));
+    EnergyModelDiagnostics& diagnostics = m.books.energy_model.emplace();
+    diagnostics.status = {"small_gain"};
+    diagnostics.start_objective = diagnostics.gradient = Eigen::VectorXd::Ones(1);
+    diagnostics.iterations = diagnostics.evaluations = {1};
     return m;
 }
 
@@ -70,10 +70,10 @@ TEST_CASE("a disc pair has a force error per disc for both discs together and fo
     const TwoTools two = evaluate_two_tools(m, cases_of(m, {pair_of(m, "held-out-two-0001", 0.016), pair_of(m, "held-out-two-0002", 0.030, 1.25)}), 2);
     REQUIRE(two.models == std::vector<std::string>{"learned", "alone"});
     REQUIRE(two.roles.size() == 1);
-    const PressedPairs& role = two.roles[0];
+    const IndentationPairs& role = two.roles[0];
     CHECK(role.role == "held_out_two");
     REQUIRE(role.pairs.size() == 2);
-    const PressedPair& near = role.pairs[0];
+    const IndentationPair& near = role.pairs[0];
     CHECK(near.apart_m() == Approx(0.016).epsilon(tolerance::rounding));
     CHECK(near.radius_m == 0.007);
     CHECK((near.push_m[1] - 0.003 * Eigen::Vector3d(0.6, 0, -0.8)).norm() < tolerance::rounding);
@@ -96,7 +96,7 @@ TEST_CASE("a pair without FE reference lacks two forces and overlapping discs ha
     LoadPath lost = pair_of(m, "held-out-two-0001", 0.030);
     lost.lost = "the tissue is folded";
     const TwoTools two = evaluate_two_tools(m, cases_of(m, {lost, pair_of(m, "held-out-two-0002", 0.013), pair_of(m, "held-out-two-0003", 0.020)}), 1);
-    const PressedPairs& role = two.roles.at(0);
+    const IndentationPairs& role = two.roles.at(0);
     CHECK(role.lost == std::vector<std::string>{"held-out-two-0001: the tissue is folded"});
     const ContactStatistics s = role.statistics(0);
     CHECK(s.force.no_reference == 2);
@@ -113,7 +113,7 @@ TEST_CASE("eval.json and report.md have results of two tools only if there are p
     const TrainedModel m = model();
     Evaluation e;
     e.energy_model = m.energy_model;
-    e.law_book = m.books.law;
+    e.energy_model_diagnostics = m.books.energy_model;
     e.models.push_back({"learned", {}, {}, 0});
     e.listed = false;
     CHECK_THAT(to_json(e, 0), !Contains("two_tools"));
@@ -143,16 +143,16 @@ TEST_CASE("eval.json and report.md have results of two tools only if there are p
 TEST_CASE("the untrained model has the spring curve of the learned one and heuristics have Hooke's", "[solid][held_out]") {
     TrainedModel m = model();
     m.heuristic_b = m.heuristic_a;
-    m.books.law->untrained_constants = m.energy_model->constants;
-    m.books.law->untrained_patch = m.energy_model->patch;
+    m.books.energy_model->untrained_constants = m.energy_model->constants;
+    m.books.energy_model->untrained_patch = m.energy_model->patch;
     LoadPath path = pair_of(m, "held-out-0001", 0.016);
     path.role = "held_out";
     path.second.reset();
     const auto force_of = [&](const Eigen::VectorXd& constants, const SpringCurve& curve) {
-        EnergyModel law = *m.energy_model;
-        law.constants = constants;
-        law.curve = curve;
-        const Equilibrium rest = IndentationSolver(m.mesh, law).at(path.contact_m, path.push_m(path.records.back()));
+        EnergyModel energy_model = *m.energy_model;
+        energy_model.constants = constants;
+        energy_model.curve = curve;
+        const Equilibrium rest = IndentationSolver(m.mesh, energy_model).at(path.contact_m, path.push_m(path.records.back()));
         REQUIRE(rest);
         return Point(rest.contact_force);
     };

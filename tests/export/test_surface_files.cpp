@@ -17,7 +17,7 @@ struct Example {
     SpringMesh mesh = embedded_block(Lattice{{2, 2, 1}, {0.04, 0.04, 0.02}});
     CarriedSurface surface = own_surface(mesh);
     NodeField u = (50 * mesh.nodes.array()).sin() * 1e-3;
-    PressedSurface press{surface, "top-3mm", surface.moved(u), Eigen::Vector3d(0.02, 0.02, 0.02), Eigen::Vector3d(0, 0, -0.003), Eigen::Vector3d(0.01, 0, -0.2)};
+    IndentedSurface press{surface, "top-3mm", surface.moved(u), Eigen::Vector3d(0.02, 0.02, 0.02), Eigen::Vector3d(0, 0, -0.003), Eigen::Vector3d(0.01, 0, -0.2)};
 };
 
 }  // namespace

@@ -40,7 +40,7 @@ class Sender {
 }  // namespace
 
 FUZZ_TARGET(datagram)(const std::uint8_t* data, std::size_t size) {
-    static const TissueModel tissue = law_example(make_lattice("grid8", 2, 2, 0.1, 0.1));
+    static const TissueModel tissue = energy_model_example(make_lattice("grid8", 2, 2, 0.1, 0.1));
     static const HapticModel model(tissue, {});
     RemoteDevice device(0);
     device.start();

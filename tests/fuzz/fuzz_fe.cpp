@@ -22,7 +22,7 @@ FUZZ_TARGET(fe)(const std::uint8_t* data, std::size_t size) {
             must(h.time_s.allFinite() && h.push_m.allFinite() && h.force_N.allFinite(), "not finite");
         });
         reads([&] {
-            const Trajectory course = read_course(file, D);
+            const Trajectory course = read_trajectory(file, D);
             must(course.time_s.allFinite() && course.push_m.allFinite(), "not finite");
         });
     }

@@ -2,7 +2,7 @@
 // adapted one continues to learn.
 #include "../mesh/embedded_block.h"
 #include "../haptic/haptic_example.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "adapt/adapted_model.h"
 #include "edited_store.h"
 #include "fuzz_file.h"
@@ -28,23 +28,23 @@ EditedStore learned(const TissueModel& model) {
 }
 
 TissueModel in_space() {
-    TissueModel model = solid_law_example(embedded_block(Lattice{{2, 2, 2}, {0.1, 0.1, 0.05}}));
+    TissueModel model = solid_model_example(embedded_block(Lattice{{2, 2, 2}, {0.1, 0.1, 0.05}}));
     model.contact_m = Eigen::RowVector3d(0.05, 0.05, 0.05);
     model.direction = Eigen::RowVector3d(0, 0, -1);
     return model;
 }
 
 TissueModel embedded() {
-    TissueModel model = solid_law_example(embedded_lattice(solid_block(Lattice{{2, 2, 2}, {0.02, 0.02, 0.01}}), 0.006));
+    TissueModel model = solid_model_example(embedded_lattice(solid_block(Lattice{{2, 2, 2}, {0.02, 0.02, 0.01}}), 0.006));
     model.contact_m = Eigen::RowVector3d(0.01, 0.01, 0.01);
     model.direction = Eigen::RowVector3d(0, 0, -1);
     return model;
 }
 
 const std::vector<EditedStore>& bases() {
-    static const TissueModel law = law_example(make_lattice("grid8", 2, 2, 0.1, 0.1));
-    static const std::vector<EditedStore> all = {stored("sets", haptic_example({"grid4", "isotropic", 2})), stored("law", law), stored("relaxing", relaxing(law)),
-                                                 stored("solid", in_space()), stored("embedded", embedded()), learned(law)};
+    static const TissueModel model = energy_model_example(make_lattice("grid8", 2, 2, 0.1, 0.1));
+    static const std::vector<EditedStore> all = {stored("sets", haptic_example({"grid4", "isotropic", 2})), stored("law", model), stored("relaxing", relaxing(model)),
+                                                 stored("solid", in_space()), stored("embedded", embedded()), learned(model)};
     return all;
 }
 

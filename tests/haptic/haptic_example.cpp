@@ -43,7 +43,7 @@ TissueModel haptic_example(const ExampleModel& e) {
     return m;
 }
 
-TissueModel law_example(const SpringMesh& mesh) {
+TissueModel energy_model_example(const SpringMesh& mesh) {
     constexpr double thickness_m = 0.1;
     TissueModel m;
     m.study = "law";
@@ -53,9 +53,9 @@ TissueModel law_example(const SpringMesh& mesh) {
     m.node_mass_kg = node_masses(mesh, 1040, thickness_m);
     m.heuristic_a = heuristic_stiffness(mesh, m.modulus_N_m);
     m.heuristic_b = m.heuristic_a / 6;
-    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all", "spring.held", "contact.normal", "contact.tangent"});
+    const EnergyModelTerms model_terms(mesh, energy_model_heuristic(mesh, m.modulus_N_m, "plane-strain", 12), {"spring.all", "spring.held", "contact.normal", "contact.tangent"});
     const Eigen::Vector4d p(-0.1, -0.7, 0.6, 0.1);
-    m.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    m.energy_model = {model_terms.terms(), p, model_terms.constants(p), model_terms.patch(p), model_terms.incompressible()};
     const Outline outline(mesh);
     const int C = 10;
     m.contact_m.resize(C, 2);
@@ -71,12 +71,12 @@ TissueModel law_example(const SpringMesh& mesh) {
     return m;
 }
 
-TissueModel relaxing(TissueModel law) {
-    Relaxation& r = law.energy_model->relaxation;
+TissueModel relaxing(TissueModel model) {
+    Relaxation& r = model.energy_model->relaxation;
     r.tau_s = Eigen::Vector3d(0.05, 1, 10);
     r.contact_share = Eigen::Vector3d(0.30, 0.25, 0.20);
-    r.share = r.contact_share.transpose().replicate(law.energy_model->constants.size(), 1);
-    return law;
+    r.share = r.contact_share.transpose().replicate(model.energy_model->constants.size(), 1);
+    return model;
 }
 
 long long adversarial_ticks(long long usual) {

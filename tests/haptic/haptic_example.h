@@ -24,11 +24,11 @@ TissueModel haptic_example(const ExampleModel& e = {});
 
 /// An energy model in memory, without FE, on any mesh: near the trained `surface-quick`, 0.1 m thick, with load cases 5
 /// and 10 mm deep.
-TissueModel law_example(const SpringMesh& mesh = make_lattice("grid8", 10, 10, 0.1, 0.1));
+TissueModel energy_model_example(const SpringMesh& mesh = make_lattice("grid8", 10, 10, 0.1, 0.1));
 
 /// The same energy model with three Maxwell branches, whose relative moduli add up to 75 % for every constant and for
 /// the contact.
-TissueModel relaxing(TissueModel law);
+TissueModel relaxing(TissueModel model);
 
 /// Uniform random numbers that are the same on every machine.
 class Draw {

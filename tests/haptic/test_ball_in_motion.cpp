@@ -83,7 +83,7 @@ TEST_CASE("a ball in the tick settles at the force and displacement of its stati
                 REQUIRE(rest);
                 CHECK((r.coupling_N + rest.contact_force).norm() < 3e-3 * rest.contact_force.norm());
                 NodeColumns seen;
-                hand.simulation.seen(0, seen);
+                hand.simulation.displayed(0, seen);
                 CHECK((NodeField(seen) - rest.displacement).norm() < 1e-2 * rest.displacement.norm());
             }
     }
@@ -307,7 +307,7 @@ TEST_CASE("a tool is parsed as shape and radius and a model refuses a tool that 
     const auto refused = [](const TissueModel& m, const char* tool) { return refusal<MismatchError>([&] { with_tool(m, tool_choice(tool)); }); };
     CHECK_THAT(refused(model, "ball:4.2mm"), Contains("ball:0.0042") && Contains("3.9 mm") && Contains("discs from 4 to 10 mm"));
     CHECK_THAT(refused(model, "ball:11mm"), Contains("discs from 4 to 10 mm"));
-    CHECK_THAT(refused(solid_law_example(model.mesh), "ball:5mm"), Contains("only a disc of 7 mm"));
+    CHECK_THAT(refused(solid_model_example(model.mesh), "ball:5mm"), Contains("only a disc of 7 mm"));
     TissueModel relaxing = model;
     relaxing.energy_model->relaxation.tau_s = Eigen::VectorXd::Constant(1, 0.5);
     CHECK_THAT(refused(relaxing, "ball:5mm"), Contains("relaxes"));

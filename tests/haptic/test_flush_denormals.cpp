@@ -60,7 +60,7 @@ TEST_CASE("decaying oscillations of tissue produce no denormal values and ticks 
     struct Kind { const char *name, *dynamics; TissueModel model; };
     const ExampleModel paper{"grid4", "isotropic"};
     for (const Kind& kind : {Kind{"spring sets", "auto", haptic_example(paper)}, Kind{"spring sets, paper", "paper", haptic_example(paper)}, Kind{"spring sets, implicit", "implicit", haptic_example(paper)},
-                             Kind{"energy model", "auto", law_example()}, Kind{"energy model that relaxes", "auto", relaxing(law_example())}, Kind{"energy model in space", "auto", solid_example()}}) {
+                             Kind{"energy model", "auto", energy_model_example()}, Kind{"energy model that relaxes", "auto", relaxing(energy_model_example())}, Kind{"energy model in space", "auto", solid_example()}}) {
         INFO(kind.name);
         HapticOptions o;
         o.dynamics = kind.dynamics;

@@ -47,7 +47,7 @@ struct Drag {
     Eigen::Vector3d at, up;
 };
 
-std::vector<TissueModel> tissues() { return {law_example(), solid_example(), haptic_example({"grid8", "axial"})}; }
+std::vector<TissueModel> tissues() { return {energy_model_example(), solid_example(), haptic_example({"grid8", "axial"})}; }
 
 }  // namespace
 
@@ -97,7 +97,7 @@ TEST_CASE("a contact inside the friction cone sticks and one with infinite frict
 }
 
 TEST_CASE("a contact begins to slip at the static coefficient of friction", "[friction]") {
-    for (const TissueModel& tissue : {law_example(), solid_example()}) {
+    for (const TissueModel& tissue : {energy_model_example(), solid_example()}) {
         Drag drag(tissue, with_friction(0.4, 0.2));
         double most = 0, last = 0;
         for (int k = 0; k < 100; ++k) {
@@ -113,7 +113,7 @@ TEST_CASE("a contact begins to slip at the static coefficient of friction", "[fr
 }
 
 TEST_CASE("cyclic drags with friction cost the hand energy and at most three times the dissipated energy", "[friction]") {
-    for (const TissueModel& tissue : {law_example(), solid_example()}) {
+    for (const TissueModel& tissue : {energy_model_example(), solid_example()}) {
         Drag drag(tissue, with_friction(0.2));
         drag.by(0.004);
         const double before = drag.s.safety().counters().energy_given_J;
@@ -129,7 +129,7 @@ TEST_CASE("cyclic drags with friction cost the hand energy and at most three tim
 }
 
 TEST_CASE("a tool slides along a curved surface past nodes without sticking", "[friction]") {
-    TissueModel tissue = law_example(edge_mesh(disc(24)));
+    TissueModel tissue = energy_model_example(edge_mesh(disc(24)));
     const HapticModel model(tissue, with_friction(0.1));
     Simulation s(model);
     const Outline outline(tissue.mesh);
@@ -163,8 +163,8 @@ TEST_CASE("a sliding contact on tissue that relaxes keeps the state of its Maxwe
     const Point from_m = touched_m, push_m = Eigen::Vector3d(0, 0, -0.004);
     const NodeColumns& u = drag.s.state(0).displacement;
     ToolSpring tool;
-    mesh.law->contacts().at(where.facet, where.weight, {}, tool);
-    ToolMemory memory = mesh.law->tool_memory(1e-3);
+    mesh.energy_model->contacts().at(where.facet, where.weight, {}, tool);
+    ToolMemory memory = mesh.energy_model->tool_memory(1e-3);
     ToolMemory beside = memory;
     for (int k = 0; k < 50; ++k) {
         tool.remember(push_m, u, memory);
@@ -172,7 +172,7 @@ TEST_CASE("a sliding contact on tissue that relaxes keeps the state of its Maxwe
     }
     const ToolMemory before = memory, beside_before = beside;
     Friction friction(FrictionOptions{0.3, {}});
-    friction.slide(drag.model.surface, mesh.springs, mesh.law->contacts(), u, from_m + push_m + Eigen::Vector3d(0.02, 0, 0), where, touched_m, tool, memory, &beside);
+    friction.slide(drag.model.surface, mesh.springs, mesh.energy_model->contacts(), u, from_m + push_m + Eigen::Vector3d(0.02, 0, 0), where, touched_m, tool, memory, &beside);
     REQUIRE(friction.slipping());
     REQUIRE((touched_m - from_m).norm() > 0.004);
     for (int g = 0; g < tool.group_count(); ++g) {
@@ -188,5 +188,5 @@ TEST_CASE("negative friction and kinetic friction above the static one or withou
     CHECK(refusal<MismatchError>([] { Friction({-0.1, {}}); }) == "friction must not be negative, not -0.1");
     CHECK(refusal<MismatchError>([] { Friction({0.1, -1}); }) == "friction-slip must not be negative, not -1");
     CHECK(refusal<MismatchError>([] { Friction({0.1, 0.2}); }) == "kinetic friction 0.2 must not be above the static 0.1");
-    CHECK_FALSE(refusal<MismatchError>([] { HapticModel(law_example(), with_friction(std::nan(""))); }).empty());
+    CHECK_FALSE(refusal<MismatchError>([] { HapticModel(energy_model_example(), with_friction(std::nan(""))); }).empty());
 }

@@ -79,7 +79,7 @@ Eigen::Vector2d dragged(double time_s, bool abrupt) {
 }  // namespace
 
 TEST_CASE("the forces of a drag and of the rest after it do not depend on the tick rate", "[friction][long]") {
-    const HapticModel model(law_example(), rubbed(0.3));
+    const HapticModel model(energy_model_example(), rubbed(0.3));
     for (const bool abrupt : {false, true}) {
         const auto way = [&](double t) { return dragged(t, abrupt); };
         const Run usual = run(model, {}, 2, way);
@@ -97,7 +97,7 @@ TEST_CASE("the forces of a drag and of the rest after it do not depend on the ti
 }
 
 TEST_CASE("the forces of a drag stay within 8 % with old positions and with positions rarer than ticks", "[friction][long]") {
-    const HapticModel model(law_example(), rubbed(0.3));
+    const HapticModel model(energy_model_example(), rubbed(0.3));
     const auto way = [](double t) { return dragged(t, false); };
     const Run usual = run(model, {}, 2, way);
     for (const Rates& rates : {Rates{1000, 500}, Rates{1000, 250}, Rates{1000, 100}, Rates{100, 50}, Rates{1000, 0, 0.5e-3}, Rates{1000, 0, 1e-3}, Rates{200, 0, 1e-3}}) {
@@ -114,7 +114,7 @@ TEST_CASE("the forces of a drag stay within 8 % with old positions and with posi
 
 TEST_CASE("rubbing costs the hand work from 50 Hz on and logged friction is near the work at 1 kHz", "[friction][long]") {
     for (const auto& [mu, rub_Hz] : {std::pair{0.1, 4.0}, {0.3, 8.0}}) {
-        const HapticModel model(law_example(), rubbed(mu));
+        const HapticModel model(energy_model_example(), rubbed(mu));
         const auto rub = [f = rub_Hz](double t) { return Eigen::Vector2d(0.05 + (t > 0.5 ? 0.005 * std::sin(2 * M_PI * f * (t - 0.5)) : 0), 0.1 - 0.004 * std::min(1.0, t / 0.3)); };
         const Run usual = run(model, {}, 2.5, rub, 0.5);
         for (const double rate_Hz : {1000.0, 330.0, 200.0, 100.0, 50.0}) {
@@ -132,7 +132,7 @@ TEST_CASE("rubbing costs the hand work from 50 Hz on and logged friction is near
 
 TEST_CASE("the drag force with a friction coefficient up to 0.05 stays within the friction cone", "[friction]") {
     for (const double mu : {0.0, 0.02, 0.05}) {
-        const HapticModel model(law_example(), rubbed(mu));
+        const HapticModel model(energy_model_example(), rubbed(mu));
         for (const double rate_Hz : {1000.0, 50.0})
             for (const double speed_m_s : {0.1, 0.2}) {
                 const Run drag = run(model, {rate_Hz}, 0.5 + 0.04 / speed_m_s, [v = speed_m_s](double t) { return Eigen::Vector2d(0.03 + v * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); });
@@ -162,7 +162,7 @@ TEST_CASE("sliding on spring sets has the same drag ratio at tick rates above 1 
 }
 
 TEST_CASE("a tool that lands while sliding keeps its contact at a slow host", "[friction]") {
-    const HapticModel model(law_example(), rubbed(0.3));
+    const HapticModel model(energy_model_example(), rubbed(0.3));
     for (const double rate_Hz : {100.0, 70.0, 50.0})
         for (const double speed_m_s : {0.15, 0.3}) {
             const Run lands = run(model, {rate_Hz}, 0.2, [v = speed_m_s](double t) { return Eigen::Vector2d(0.03 + v * t, 0.102 - 0.006 * std::min(1.0, t / 0.12)); });
@@ -177,7 +177,7 @@ TEST_CASE("a tool that lands while sliding keeps its contact at a slow host", "[
 }
 
 TEST_CASE("after a stall of up to 20 ms friction on the tissue still acts along the drag", "[friction]") {
-    const HapticModel model(law_example(), rubbed(0.3));
+    const HapticModel model(energy_model_example(), rubbed(0.3));
     for (const double stall_s : {0.003, 0.005, 0.01, 0.02, 0.15}) {
         const Run stalled = run(model, {1000, 0, 0, 0.65, stall_s}, 0.9, [](double t) { return Eigen::Vector2d(0.03 + 0.1 * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); });
         for (std::size_t k = 0; k < stalled.time_s.size(); ++k) {
@@ -194,7 +194,7 @@ TEST_CASE("after a stall of up to 20 ms friction on the tissue still acts along 
 TEST_CASE("friction falls from the static coefficient below 1.3 times the kinetic one when a contact begins to slip", "[friction]") {
     for (const auto& [stick, slip] : {std::pair{0.6, 0.1}, {0.4, 0.2}})
         for (const double speed_m_s : {0.02, 0.05}) {
-            const HapticModel model(law_example(), rubbed(stick, slip));
+            const HapticModel model(energy_model_example(), rubbed(stick, slip));
             const Run loose = run(model, {}, 0.5 + 0.035 / speed_m_s, [v = speed_m_s](double t) { return Eigen::Vector2d(0.04 + v * std::max(0.0, t - 0.5), 0.1 - 0.004 * std::min(1.0, t / 0.3)); });
             double most = 0, least = 1, last = 0;
             int after = 0;  // ticks since it began to slip
@@ -215,7 +215,7 @@ TEST_CASE("friction falls from the static coefficient below 1.3 times the kineti
 }
 
 TEST_CASE("the tangential share of the force while a sliding tool lifts is similar at slow hosts and at 1 kHz", "[friction]") {
-    const HapticModel model(law_example(), rubbed(0.2));
+    const HapticModel model(energy_model_example(), rubbed(0.2));
     const auto steepest = [&](double rate_Hz) {  // largest tangential share of the force, in means over 20 ms
         Simulation s(model);
         DeviceSample sample;

@@ -70,7 +70,7 @@ Eigen::Vector3d above(const Eigen::Vector3d& at) { return at - 0.005 * inward; }
 TEST_CASE("a tool that grasps lifts the tissue to the equilibrium of the energy model at any rate of ticks", "[grasp][long]") {
     const TissueModel tissue = graspable_solid();
     const HapticModel model(tissue, one_mesh());
-    const IndentationSolver press(tissue);
+    const IndentationSolver solver(tissue);
     for (const double rate_Hz : {1000.0, 4000.0, 100.0}) {
         Led hand(model, above(place), 1 / rate_Hz);
         hand.take(place);
@@ -83,7 +83,7 @@ TEST_CASE("a tool that grasps lifts the tissue to the equilibrium of the energy 
             CHECK(r.grasped);
             CHECK(r.status == TickStatus::done);
             const Point touched_m = model.meshes[0]->springs.rest_place(r.facet, r.weight);
-            const Equilibrium rest = press.at(touched_m, r.contact_displacement_m);
+            const Equilibrium rest = solver.at(touched_m, r.contact_displacement_m);
             REQUIRE(rest);
             CHECK((r.contact_displacement_m - (place + pull - touched_m)).norm() < 1e-9);
             CHECK((r.coupling_N + rest.contact_force).norm() < 0.01 * rest.contact_force.norm());
@@ -221,7 +221,7 @@ TEST_CASE("tissue that is grasped does not slip from a tool with little friction
 
 TEST_CASE("a hand that grasps and goes round gets no energy out of the tissue", "[grasp]") {
     for (const bool relaxes : {false, true}) {
-        const TissueModel tissue = relaxes ? relaxing(law_example()) : law_example();
+        const TissueModel tissue = relaxes ? relaxing(energy_model_example()) : energy_model_example();
         const HapticModel model(tissue, one_mesh());
         const Eigen::Vector3d top(0.045, 0.1, 0), down(0, -1, 0);
         Led hand(model, top - 0.005 * down);
@@ -306,7 +306,7 @@ TEST_CASE("the force on grasped tissue stays within the limit however far the ha
 TEST_CASE("a hand with mass that hangs on grasped tissue comes to rest", "[grasp][long]") {
     const TissueModel tissue = graspable_solid();
     const HapticModel model(tissue, one_mesh());
-    const IndentationSolver press(tissue);
+    const IndentationSolver solver(tissue);
     for (const Hand& device : {hands[0], hands[1], hands[3]}) {
         Led led(model, above(place));
         led.take(place);
@@ -327,7 +327,7 @@ TEST_CASE("a hand with mass that hangs on grasped tissue comes to rest", "[grasp
         REQUIRE(led.s.grasps());
         CHECK(highest - lowest < 1e-4);
         CHECK(x.z() > place.z());
-        const Equilibrium rest = press.at(model.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
+        const Equilibrium rest = solver.at(model.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
         REQUIRE(rest);
         CHECK((r.coupling_N + rest.contact_force).norm() < 0.02 * rest.contact_force.norm());
     }

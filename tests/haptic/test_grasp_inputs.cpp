@@ -93,12 +93,12 @@ TEST_CASE("a recorded session with a grasp replays to bitwise equal forces", "[g
 TEST_CASE("a checked indentation that pulls grasps first and rests at the static force", "[grasp][truth][long]") {
     const TissueModel tissue = graspable_solid();
     const IndentationReference pull{"pull", Eigen::Vector3d(0.043, 0.056, 0.05), Eigen::Vector3d(0.3, 0, 1).normalized(), 0.005, {}};
-    const PressResult r = press(HapticModel(tissue, {}), tissue, pull);
+    const IndentationResult r = indent(HapticModel(tissue, {}), tissue, pull);
     INFO(r.reason);
     REQUIRE(r.rested);
     CHECK(r.reason.empty());
     CHECK(r.static_error < 0.01);
     CHECK(r.force_N[2] > 0.05);
     const TissueModel other = solid_example();
-    CHECK(press(HapticModel(other, {}), other, pull, 2).reason == "the case pulls, and the model cannot grasp");
+    CHECK(indent(HapticModel(other, {}), other, pull, 2).reason == "the case pulls, and the model cannot grasp");
 }

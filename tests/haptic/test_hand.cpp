@@ -94,7 +94,7 @@ TEST_CASE("the residual motion of a damped hand on a spring matches the analytic
 TEST_CASE("a hand with mass comes to rest on tissue at the force of the static equilibrium", "[hand][long]") {
     // a subset of scripts/hand_probe.cpp
     for (const bool relaxes : {false, true}) {
-        const TissueModel tissue = relaxes ? relaxing(law_example()) : law_example();
+        const TissueModel tissue = relaxes ? relaxing(energy_model_example()) : energy_model_example();
         const IndentationSolver answer(tissue);
         const FreeSurface surface(tissue.mesh);
         for (const double scale : {1.0, 2.0}) {
@@ -123,7 +123,7 @@ TEST_CASE("a hand with mass comes to rest on tissue at the force of the static e
 }
 
 TEST_CASE("a hand comes to rest with positions that are up to half of dt old", "[hand][long]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     const FreeSurface surface(tissue.mesh);
     for (const double scale : {1.0, 2.0})
         for (const double age_s : {3e-4, 5e-4})
@@ -148,7 +148,7 @@ TEST_CASE("taps and releases and drags give the hand no net energy and drags hav
         for (const double friction : {std::numeric_limits<double>::infinity(), 0.3}) {
             HapticOptions options = alone();
             options.friction.stick = friction;
-            const HapticModel model(relaxes ? relaxing(law_example()) : law_example(), options);
+            const HapticModel model(relaxes ? relaxing(energy_model_example()) : energy_model_example(), options);
             const FreeSurface surface(model.rest);
             for (const Hand& hand : hands)
                 for (const test::Clock& clock : clocks)
@@ -216,7 +216,7 @@ TEST_CASE("a hand that drags a disc by 10 mm comes to rest without net energy an
 TEST_CASE("a tool at the device's force limit stays behind the hand and gives it no net energy", "[hand]") {
     HapticOptions options = alone();
     options.map.force_scale = 3;
-    TissueModel muscle = law_example();
+    TissueModel muscle = energy_model_example();
     muscle.energy_model->constants *= 3.7;
     muscle.energy_model->contact_log_scale = Eigen::VectorXd::Constant(muscle.mesh.node_count(), std::log(3.7));
     for (const bool relaxes : {false, true}) {
@@ -248,7 +248,7 @@ TEST_CASE("the contact force does not depend on the host's tick rate", "[hand]")
     for (const bool relaxes : {false, true}) {
         HapticOptions options = alone();
         options.safety.hold_s = 1;
-        const HapticModel model(relaxes ? relaxing(law_example()) : law_example(), options);
+        const HapticModel model(relaxes ? relaxing(energy_model_example()) : energy_model_example(), options);
         const std::vector<double> usual = held_force(model, 1000);
         // a slow host detects the contact late, and the tissue oscillates from it
         constexpr std::size_t after_landing = 25;
@@ -268,7 +268,7 @@ TEST_CASE("the contact force does not depend on the host's tick rate", "[hand]")
 TEST_CASE("the force at rest is the same from 50 Hz to 1 kHz at several places and depths and approach times", "[hand][long]") {
     HapticOptions options = alone();
     options.safety.hold_s = 1;
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     const auto rest = [&](double rate_Hz, double x_m, double depth_m, double within_s) {
         Simulation s(model);
         DeviceSample sample;
@@ -299,7 +299,7 @@ TEST_CASE("the force at rest is the same from 50 Hz to 1 kHz at several places a
 TEST_CASE("a tool moved along its imprint has no larger tangential force at a slow host than at 1 kHz", "[hand]") {
     HapticOptions options = alone();
     options.safety.hold_s = 1;
-    const HapticModel model(relaxing(law_example()), options);
+    const HapticModel model(relaxing(energy_model_example()), options);
     // largest tangential force while the tool moves along the floor of its imprint and is pressed in beside it
     const auto aside = [&](double rate_Hz) {
         Simulation s(model);
@@ -321,7 +321,7 @@ TEST_CASE("a tool moved along its imprint has no larger tangential force at a sl
 }
 
 TEST_CASE("time that cannot be made up for is counted as lost", "[hand]") {
-    const HapticModel model(law_example(), alone());
+    const HapticModel model(energy_model_example(), alone());
     Simulation s(model);
     DeviceSample sample;
     sample.position_m = led(0);
@@ -335,7 +335,7 @@ TEST_CASE("time that cannot be made up for is counted as lost", "[hand]") {
 }
 
 TEST_CASE("tissue that is too stiff for the device is refused with the limit in the message", "[hand][long]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     HapticOptions options = alone(3);
     const double contact_N_m = HapticModel(tissue, options).meshes[0]->contact_N_m;
     options.device.force_max_N = 2;
@@ -413,7 +413,7 @@ TEST_CASE("stable_stiffness_N_m is 0.45 of the stiffness at which a contact on t
 }
 
 TEST_CASE("a Touch with a delay of one servo period comes to rest up to the largest accepted force scale", "[hand][long]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     const FreeSurface surface(tissue.mesh);
     HapticOptions options = alone(1);
     const HapticModel any(tissue, options);
@@ -444,7 +444,7 @@ TEST_CASE("a Touch with a delay of one servo period comes to rest up to the larg
 TEST_CASE("a single early tick loses at most 30 ms at a host whose ticks cost half of their time", "[hand]") {
     HapticOptions options = alone();
     options.safety.hold_s = 1;
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     for (const double early_s : {1e-6, 1e-3}) {
         Simulation s(model);
         DeviceSample sample;
@@ -457,7 +457,7 @@ TEST_CASE("a single early tick loses at most 30 ms at a host whose ticks cost ha
 
 TEST_CASE("a session counts the time lost by one of its two meshes", "[hand]") {
     HapticOptions options;
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     REQUIRE(model.meshes.size() == 2);
     REQUIRE(model.meshes[0]->substeps != model.meshes[1]->substeps);
     Simulation s(model);
@@ -470,7 +470,7 @@ TEST_CASE("a session counts the time lost by one of its two meshes", "[hand]") {
 }
 
 TEST_CASE("a device with a position rate below that of ticks is checked at its own period", "[hand]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     HapticOptions options = alone();
     const HapticModel any(tissue, options);
     const HapticMesh& mesh = *any.meshes[0];
@@ -488,10 +488,10 @@ TEST_CASE("a device with a position rate below that of ticks is checked at its o
 }
 
 TEST_CASE("the force of a tick is that of a hand ahead by the stated lead", "[hand]") {
-    for (const bool law : {true, false})
+    for (const bool is_energy_model : {true, false})
         for (const double stiffest : {1.0, 1e6}) {
             // Nodes so heavy that they do not move. For an energy model `stiffest` restores several steps per tick.
-            TissueModel tissue = law ? law_example() : haptic_example();
+            TissueModel tissue = is_energy_model ? energy_model_example() : haptic_example();
             tissue.node_mass_kg *= 1e6;
             HapticOptions options = alone();
             options.stiffest = stiffest;
@@ -516,10 +516,10 @@ TEST_CASE("the force of a tick is that of a hand ahead by the stated lead", "[ha
                 sample.position_m = hand(k == 0 ? 0.03 : time + mesh.lead * dt);
                 still.tick(sample);
             }
-            INFO((law ? "energy model, " : "spring sets, ") << mesh.substeps << " steps, lead " << mesh.lead);
+            INFO((is_energy_model ? "energy model, " : "spring sets, ") << mesh.substeps << " steps, lead " << mesh.lead);
             REQUIRE(still.record().coupling_N.norm() > 1e-3);
             CHECK(moving.record().coupling_N.norm() == Approx(still.record().coupling_N.norm()).epsilon(1e-3));
-            CHECK((mesh.substeps > 1) == (law && stiffest > 1));
+            CHECK((mesh.substeps > 1) == (is_energy_model && stiffest > 1));
             CHECK(mesh.lead >= Approx(mesh.substeps > 1 ? 0.55 : 0.75));
         }
 }
@@ -527,7 +527,7 @@ TEST_CASE("the force of a tick is that of a hand ahead by the stated lead", "[ha
 TEST_CASE("after a stall during an indentation the force returns to its value", "[hand]") {
     HapticOptions options = alone();
     options.safety.hold_s = std::numeric_limits<double>::infinity();
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     Simulation s(model);
     DeviceSample sample;
     for (int k = 0; k < 2000; ++k) {
@@ -551,7 +551,7 @@ TEST_CASE("after a stall during an indentation the force returns to its value", 
 TEST_CASE("a tick of unknown length counts as the time for which the device holds a force", "[hand]") {
     HapticOptions options = alone();
     options.safety.hold_s = 0.2;
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     Simulation s(model);
     DeviceSample sample;
     sample.position_m = led(0);
@@ -561,7 +561,7 @@ TEST_CASE("a tick of unknown length counts as the time for which the device hold
 }
 
 TEST_CASE("a reset sets the force to zero at once", "[hand]") {
-    const HapticModel model(law_example(), alone());
+    const HapticModel model(energy_model_example(), alone());
     Simulation s(model);
     DeviceSample sample;
     for (int k = 0; k < 400; ++k) {
@@ -579,7 +579,7 @@ TEST_CASE("a host that is slower than dt loses no time", "[hand]") {
     options.safety.hold_s = 1;
     options.dt_s = 1e-3;
     for (const double rate_Hz : {50.0, 60.0}) {
-        const HapticModel model(law_example(), options);
+        const HapticModel model(energy_model_example(), options);
         Simulation s(model);
         DeviceSample sample;
         sample.position_m = led(0);
@@ -616,7 +616,7 @@ struct Host {
 TEST_CASE("ticks that cost more than their time stay short and the lost time is counted", "[hand]") {
     HapticOptions options = alone();
     options.safety.hold_s = 1;
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     for (const double share : {0.95, 1.05, 1.1, 1.5, 3.0})
         for (const bool by_schedule : {true, false})
             for (const double stall_s : {0.0, 0.03, 2.0}) {
@@ -640,7 +640,7 @@ TEST_CASE("ticks that cost more than their time stay short and the lost time is 
 TEST_CASE("a stall of 30 ms loses no time at loads below 45 % and at most its length above", "[hand][long]") {
     HapticOptions options = alone();
     options.safety.hold_s = 1;
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     for (const double share : {0.05, 0.4, 0.5, 0.7, 0.89})
         for (const double period_s : {1e-3, 0.01, 0.02})
             for (const bool by_schedule : {true, false}) {
@@ -658,7 +658,7 @@ TEST_CASE("a stall of 30 ms loses no time at loads below 45 % and at most its le
 TEST_CASE("jitter and periods that no step divides lose no time at loads of 50 to 80 %", "[hand]") {
     HapticOptions options = alone();
     options.safety.hold_s = 1;
-    for (const TissueModel& tissue : {haptic_example(), law_example()}) {
+    for (const TissueModel& tissue : {haptic_example(), energy_model_example()}) {
         const HapticModel model(tissue, options);
         for (const double rate_Hz : {300.0, 700.0, 970.0})
             for (const double share : {0.5, 0.6, 0.8}) {
@@ -687,7 +687,7 @@ TEST_CASE("jitter and periods that no step divides lose no time at loads of 50 t
 TEST_CASE("a host that becomes slow loses no time if its device holds the force and single stalls are made up for", "[hand]") {
     HapticOptions options = alone();
     options.safety.hold_s = std::numeric_limits<double>::infinity();
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     Simulation s(model);
     DeviceSample sample;
     sample.position_m = led(0.4);
@@ -716,7 +716,7 @@ TEST_CASE("a host that becomes slow loses no time if its device holds the force 
 TEST_CASE("the time of a single interrupted tick is made up for", "[hand]") {
     HapticOptions options = alone();
     options.safety.hold_s = 1;
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     Simulation s(model);
     DeviceSample sample;
     sample.position_m = led(0.4);
@@ -736,7 +736,7 @@ TEST_CASE("the energy log of old positions matches the work on the true motion o
         for (const double jitter_s : {0.0, 3e-4}) {
             HapticOptions options = alone(2);
             options.safety.passivity = false;  // the energy log alone
-            const HapticModel model(law_example(), options);
+            const HapticModel model(energy_model_example(), options);
             Simulation s(model);
             Draw draw(2008);
             const double dt = options.dt_s;
@@ -809,7 +809,7 @@ TEST_CASE("spring sets with several steps per tick have the same force at any co
 TEST_CASE("a sliding contact has the same force at any tick rate", "[hand]") {
     HapticOptions options = alone();
     options.friction.stick = 0.3;
-    const HapticModel model(law_example(), options);
+    const HapticModel model(energy_model_example(), options);
     const auto dragged = [&](double rate_Hz) {
         Simulation s(model);
         DeviceSample sample;
@@ -852,7 +852,7 @@ TEST_CASE("force limited by the energy bound is counted and the limit fades", "[
 TEST_CASE("a contact on tissue that is still dented begins without a force and returns no energy", "[hand]") {
     // The tool displaces a mean of the nodes under it, which lies outside the surface in a dent.
     for (const bool solid : {false, true}) {
-        const HapticModel model(relaxing(solid ? solid_example() : law_example()), alone());
+        const HapticModel model(relaxing(solid ? solid_example() : energy_model_example()), alone());
         const FreeSurface::Place place = model.surface.nearest(solid ? Point(Eigen::Vector3d(0.052, 0.048, 1)) : Point(Eigen::Vector2d(0.052, 0.1)));
         Simulation s(model);
         constexpr double step_m = 2e-6;  // 2 mm/s

@@ -13,7 +13,7 @@
 #include "../adapt/adapt_example.h"
 #include "../allocations.h"
 #include "../example.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "../solid_shape_study.h"
 #include "error.h"
 #include "haptic/target_tissue.h"
@@ -55,11 +55,11 @@ struct Session {
     TargetTissue device;
     long long tick = 0;
 
-    Session(const TissueModel& base, const TissueModel& truth, const std::vector<Waypoint>& motion)
+    Session(const TissueModel& base, const TissueModel& target, const std::vector<Waypoint>& motion)
         : law(base), model(law, options_for_learning()), simulation(model), adaptation(law, live()), learner(model, adaptation),
-          device(std::make_unique<VirtualDevice>(motion, model.options.map), truth, options_for_learning()) {}
-    Session(const TissueModel& base, const TissueModel& truth, double seconds, unsigned long seed = 3)
-        : Session(base, truth, make_motion({"probe", seconds, 0.006, seed, &base.mesh})) {}
+          device(std::make_unique<VirtualDevice>(motion, model.options.map), target, options_for_learning()) {}
+    Session(const TissueModel& base, const TissueModel& target, double seconds, unsigned long seed = 3)
+        : Session(base, target, make_motion({"probe", seconds, 0.006, seed, &base.mesh})) {}
 
     /// One tick, as in run_loop.
     void step() {
@@ -91,7 +91,7 @@ struct Session {
 
 TEST_CASE("an energy model with replaced stiffness has the forces of one made with it and allocates nothing", "[adapt][law]") {
     const SpringMesh shape = embedded_lattice(dome(6), 0.011);
-    for (const TissueModel& model : {law_example(), solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})), solid_law_example(shape)}) {
+    for (const TissueModel& model : {energy_model_example(), solid_model_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})), solid_model_example(shape)}) {
         Draw draw(5);
         TissueModel other = model;
         for (double& c : other.energy_model->constants) c *= draw(0.3, 3);
@@ -99,22 +99,22 @@ TEST_CASE("an energy model with replaced stiffness has the forces of one made wi
         for (double& s : other.energy_model->contact_log_scale) s = draw(-1, 1);
         other.energy_model->patch.log_N_m(0, 0) += 0.3;
         const RealtimeMesh springs(model.mesh, model.energy_model->curve, model.node_mass_kg);
-        RealtimeEnergyModel law(model, springs);
+        RealtimeEnergyModel energy_model(model, springs);
         const RealtimeEnergyModel wanted(other, springs);
         {
             const EnergyModelStiffness& stiffness = wanted.stiffness();
             const Allocations none;
-            law.become(stiffness);
+            energy_model.become(stiffness);
             CHECK(Allocations::count() == 0);
         }
         const NodeColumns u = scattered(model.mesh, 1e-3);
         NodeColumns f = u, g = u;
-        RealtimeEnergyModel::Scratch scratch = law.scratch();
-        law.force(u, f, scratch);
+        RealtimeEnergyModel::Scratch scratch = energy_model.scratch();
+        energy_model.force(u, f, scratch);
         wanted.force(u, g, scratch);
         CHECK((f - g).norm() < 1e-12 * g.norm());
         ToolSpring a, b;
-        law.contacts().at(3, Eigen::Vector3d::Constant(1.0 / 3), {}, a);
+        energy_model.contacts().at(3, Eigen::Vector3d::Constant(1.0 / 3), {}, a);
         wanted.contacts().at(3, Eigen::Vector3d::Constant(1.0 / 3), {}, b);
         const Point push = Point::Constant(model.mesh.dimension(), 1e-3);
         CHECK((a.tool_force_N(push, u) - b.tool_force_N(push, u)).norm() < 1e-12 * b.tool_force_N(push, u).norm());
@@ -122,8 +122,8 @@ TEST_CASE("an energy model with replaced stiffness has the forces of one made wi
 }
 
 TEST_CASE("in a session an energy model adapts to the target tissue and the force never jumps by 0.02 N", "[adapt][long]") {
-    const TissueModel law = law_example(), truth = stiffer(law, 0.5);
-    Session s(law, truth, 16);
+    const TissueModel model = energy_model_example(), target = stiffer(model, 0.5);
+    Session s(model, target, 16);
     s.keep_lines();
     Eigen::Vector3d last = Eigen::Vector3d::Zero();
     Eigen::Vector3d stood_m = Eigen::Vector3d::Zero();
@@ -131,9 +131,9 @@ TEST_CASE("in a session an energy model adapts to the target tissue and the forc
     long long readings = 0;
     int stood = 0;
     for (int k = 0; k < 16000; ++k) {
-        const double before = s.simulation.law()->stiffness().constants[0];
+        const double before = s.simulation.energy_model()->stiffness().constants[0];
         s.step();
-        largest_step = std::max(largest_step, std::abs(s.simulation.law()->stiffness().constants[0] / before - 1));
+        largest_step = std::max(largest_step, std::abs(s.simulation.energy_model()->stiffness().constants[0] / before - 1));
         const TickRecord& tick = s.simulation.record();
         stood = tick.device_m == stood_m ? stood + 1 : 0;
         // the tissue rests under the tool, and only the model changes
@@ -153,16 +153,16 @@ TEST_CASE("in a session an energy model adapts to the target tissue and the forc
     CHECK(largest_step > 0);
     CHECK(s.learner.arrived());
     // The model in the session is the adapted one, and near the target tissue.
-    CHECK((s.simulation.law()->stiffness().constants - s.adaptation.law().constants).norm() == 0);
-    const std::vector<ForceMeasurement> held_out = pokes_of(truth, 20, 9);
+    CHECK((s.simulation.energy_model()->stiffness().constants - s.adaptation.energy_model().constants).norm() == 0);
+    const std::vector<ForceMeasurement> held_out = pokes_of(target, 20, 9);
     INFO("evidence " << s.adaptation.state().evidence << ", scale " << s.adaptation.state().scale << ", learned " << s.adaptation.state().learned);
-    CHECK(worst_error(law, held_out) > 0.35);
+    CHECK(worst_error(model, held_out) > 0.35);
     CHECK(worst_error(s.adaptation.model(), held_out) < 0.2);
 }
 
 TEST_CASE("a tick during adaptation allocates nothing", "[adapt]") {
-    const TissueModel law = law_example();
-    Session s(law, stiffer(law, 0.4), 4);
+    const TissueModel model = energy_model_example();
+    Session s(model, stiffer(model, 0.4), 4);
     s.keep_lines();
     for (int k = 0; k < 2000; ++k) s.step();
     s.wait(s.learner.readings());
@@ -177,11 +177,11 @@ TEST_CASE("a tick during adaptation allocates nothing", "[adapt]") {
 }
 
 TEST_CASE("adaptation to tissue that relaxes improves its instantaneous forces and can be repeated from its measurements", "[adapt][memory][long]") {
-    const TissueModel law = relaxing(law_example());
-    TissueModel truth = law;
-    truth.energy_model->constants *= std::exp(0.4);
-    truth.energy_model->contact_log_scale = Eigen::VectorXd::Constant(law.mesh.node_count(), 0.4);
-    Session s(law, truth, 8);
+    const TissueModel model = relaxing(energy_model_example());
+    TissueModel target = model;
+    target.energy_model->constants *= std::exp(0.4);
+    target.energy_model->contact_log_scale = Eigen::VectorXd::Constant(model.mesh.node_count(), 0.4);
+    Session s(model, target, 8);
     s.keep_lines();
     long long readings = 0;
     for (int k = 0; k < 8000; ++k) {
@@ -190,21 +190,21 @@ TEST_CASE("adaptation to tissue that relaxes improves its instantaneous forces a
     }
     s.learner.stop();
     REQUIRE(s.adaptation.state().learned >= 2);
-    Adaptation again(law, live());  // from the measurements
+    Adaptation again(model, live());  // from the measurements
     for (const ForceMeasurement& poke : s.pokes) again.learn(poke);
     CHECK(again.state().learned == s.adaptation.state().learned);
     CHECK(again.state().x == s.adaptation.state().x);
-    TissueModel at_once = s.adaptation.model(), wanted = truth;
+    TissueModel at_once = s.adaptation.model(), wanted = target;
     at_once.energy_model = instantaneous(*at_once.energy_model);
     wanted.energy_model = instantaneous(*wanted.energy_model);
     const std::vector<ForceMeasurement> held_out = pokes_of(wanted, 12, 9);
-    CHECK(worst_error(law, held_out) > 0.3);
+    CHECK(worst_error(model, held_out) > 0.3);
     CHECK(worst_error(at_once, held_out) < 0.15);
 }
 
 TEST_CASE("a model stiffened during a contact has the force of one that was stiffer from the start", "[adapt][memory]") {
-    const TissueModel law = relaxing(law_example()), other = stiffer(law, 0.5);
-    HapticModel changes(law, options_for_learning()), was(other, options_for_learning());
+    const TissueModel model = relaxing(energy_model_example()), other = stiffer(model, 0.5);
+    HapticModel changes(model, options_for_learning()), was(other, options_for_learning());
     Simulation a(changes), b(was);
     const auto press = [&](int from, int to) {
         for (int k = from; k < to; ++k) {
@@ -215,7 +215,7 @@ TEST_CASE("a model stiffened during a contact has the force of one that was stif
     };
     press(0, 1500);
     const double before_N = a.record().coupling_N.norm();
-    a.law()->become(RealtimeEnergyModel(other, changes.meshes[0]->springs).stiffness());
+    a.energy_model()->become(RealtimeEnergyModel(other, changes.meshes[0]->springs).stiffness());
     a.energy_model_changed();
     press(1500, 1900);
     const double force_N = a.record().coupling_N.norm(), wanted_N = b.record().coupling_N.norm();
@@ -225,10 +225,10 @@ TEST_CASE("a model stiffened during a contact has the force of one that was stif
 }
 
 TEST_CASE("a model stiffened while the mesh beside it is indented moves like one stiffer from the start under more force", "[adapt][memory][long]") {
-    const TissueModel law = relaxing(law_example()), other = stiffer(law, std::log(1.5));
+    const TissueModel model = relaxing(energy_model_example()), other = stiffer(model, std::log(1.5));
     HapticOptions options = options_for_learning();
     options.heuristic_mesh = true;
-    const HapticModel changes(law, options), was(other, options);
+    const HapticModel changes(model, options), was(other, options);
     const double place_m = changes.meshes[1]->place_m[0];
     const auto tick = [&](Simulation& s, double depth_m) { s.tick(sample_at(place_m + 0.05, 0.1 - depth_m)); };
     const auto press = [&](Simulation& s, double depth_m, double to_m, int ticks) {
@@ -257,7 +257,7 @@ TEST_CASE("a model stiffened while the mesh beside it is indented moves like one
     REQUIRE(b.record().coupling_N.norm() == Approx(1.5 * force_N).epsilon(0.01));
     REQUIRE(b.displacement_at_contact(0).norm() == Approx(at_first_m).epsilon(0.01));
 
-    a.law()->become(RealtimeEnergyModel(other, changes.meshes[0]->springs).stiffness());
+    a.energy_model()->become(RealtimeEnergyModel(other, changes.meshes[0]->springs).stiffness());
     a.energy_model_changed();
     double now_m = 0, wanted_m = 0;  // means during the oscillation
     for (int k = 0; k < 1000; ++k) {
@@ -273,10 +273,10 @@ TEST_CASE("a model stiffened while the mesh beside it is indented moves like one
 }
 
 TEST_CASE("measurements of tissue that relaxes are right in a contact during which the model adapts", "[adapt][memory]") {
-    const TissueModel law = relaxing(law_example());
-    TissueModel truth = law;
-    truth.energy_model->constants *= std::exp(0.9);
-    truth.energy_model->patch.log_N_m.array() += 0.9;
+    const TissueModel model = relaxing(energy_model_example());
+    TissueModel target = model;
+    target.energy_model->constants *= std::exp(0.9);
+    target.energy_model->patch.log_N_m.array() += 0.9;
     // three depths without a release in between
     std::vector<Waypoint> motion;
     const auto to = [&](double time_s, double y_m) { motion.push_back({time_s, (Point(2) << 0.05, y_m).finished()}); };
@@ -287,7 +287,7 @@ TEST_CASE("measurements of tissue that relaxes are right in a contact during whi
         to(at_s + 1.7, 0.1 - depth_m);
         at_s += 1.8;
     }
-    Session s(law, truth, motion);
+    Session s(model, target, motion);
     s.keep_lines();
     long long readings = 0;
     for (int k = 0; k < 5500; ++k) {
@@ -296,17 +296,17 @@ TEST_CASE("measurements of tissue that relaxes are right in a contact during whi
     }
     s.learner.stop();
     CHECK(s.pokes.size() == 3);
-    TissueModel rested = truth;
+    TissueModel rested = target;
     rested.energy_model = long_term(*rested.energy_model);
     CHECK(worst_error(rested, s.pokes) < 0.02);
 }
 
 TEST_CASE("a measurement of tissue that relaxes is dropped where the model in use has no equilibrium to convert its force by", "[adapt][memory]") {
-    const TissueModel law = relaxing(law_example());
+    const TissueModel tissue = relaxing(energy_model_example());
     HapticOptions options = options_for_learning();
     options.safety.force_max_N = 20;  // else the tool stays behind the hand
-    const HapticModel model(law, options);
-    Adaptation adaptation(law, live());
+    const HapticModel model(tissue, options);
+    Adaptation adaptation(tissue, live());
     // 30 mm deep the trained model is unstable; a field that is stiff at the contact is not
     const Point contact_m = Eigen::Vector2d(0.05, 0.1), push_m = Eigen::Vector2d(0, -0.03);
     Adaptation::State state = adaptation.state();
@@ -339,9 +339,9 @@ TEST_CASE("a measurement of tissue that relaxes is dropped where the model in us
 }
 
 TEST_CASE("a hand without a sensor or in motion gives no measurement and one at rest gives one", "[adapt]") {
-    const TissueModel law = law_example();
-    HapticModel model(law, options_for_learning());
-    Adaptation adaptation(law, live());
+    const TissueModel tissue = energy_model_example();
+    HapticModel model(tissue, options_for_learning());
+    Adaptation adaptation(tissue, live());
     Learner learner(model, adaptation);
     Simulation simulation(model);
     const auto run = [&](bool sensor, double wave_m) {
@@ -364,12 +364,12 @@ TEST_CASE("a hand without a sensor or in motion gives no measurement and one at 
 }
 
 TEST_CASE("a measurement takes the same simulated time for any length of ticks", "[adapt]") {
-    const TissueModel law = law_example();
-    const HapticModel model(law, options_for_learning());
+    const TissueModel tissue = energy_model_example();
+    const HapticModel model(tissue, options_for_learning());
     constexpr double outside_s = 0.2, goes_s = 0.2;
     for (const double elapsed_s : {2.5e-4, 1e-3, 4e-3, 0.012}) {  // the last ones as in a loop that misses ticks
         INFO(elapsed_s);
-        Adaptation adaptation(law, live());
+        Adaptation adaptation(tissue, live());
         Learner learner(model, adaptation);
         Simulation simulation(model);
         double held_s = 0;  // time from the end of the hand's motion to the measurement
@@ -387,9 +387,9 @@ TEST_CASE("a measurement takes the same simulated time for any length of ticks",
 }
 
 TEST_CASE("without a clock each measurement is adapted to before the next tick however long that takes", "[adapt]") {
-    const TissueModel law = law_example();
-    const HapticModel model(law, options_for_learning());
-    Adaptation adaptation(law, live());
+    const TissueModel tissue = energy_model_example();
+    const HapticModel model(tissue, options_for_learning());
+    Adaptation adaptation(tissue, live());
     Learner learner(model, adaptation);
     std::atomic<int> lines{0};
     learner.on_line(
@@ -413,17 +413,17 @@ TEST_CASE("without a clock each measurement is adapted to before the next tick h
 }
 
 TEST_CASE("a tool at the force limit gives no measurement and its recorded displacement is that of the tool", "[adapt][hand]") {
-    const TissueModel law = law_example();
+    const TissueModel tissue = energy_model_example();
     for (const double most_N : {3.3, 0.05}) {
         HapticOptions options = options_for_learning();
         options.safety.force_max_N = most_N;
-        HapticModel model(law, options);
-        Adaptation adaptation(law, live());
+        HapticModel model(tissue, options);
+        Adaptation adaptation(tissue, live());
         Learner learner(model, adaptation);
         Simulation simulation(model);
         constexpr double deep_m = 4e-3;
         const std::vector<Waypoint> motion = {{0, (Point(2) << 0.05, 0.105).finished()}, {0.3, (Point(2) << 0.05, 0.1 - deep_m).finished()}, {4, (Point(2) << 0.05, 0.1 - deep_m).finished()}};
-        TargetTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), law, options);
+        TargetTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), tissue, options);
         for (int k = 0; k < 3000; ++k) {
             learner.before(simulation);
             simulation.tick(device.read(1e-3 * k));
@@ -441,9 +441,9 @@ TEST_CASE("a tool at the force limit gives no measurement and its recorded displ
 }
 
 TEST_CASE("a session ends with measurements in the queue and counts those beyond its patience as dropped", "[adapt]") {
-    const TissueModel law = law_example();
-    HapticModel model(law, options_for_learning());
-    Adaptation adaptation(law, live());
+    const TissueModel tissue = energy_model_example();
+    HapticModel model(tissue, options_for_learning());
+    Adaptation adaptation(tissue, live());
     LearnerOptions options;
     options.hold_s = 0.01;
     options.patience_s = 0.05;
@@ -473,10 +473,10 @@ TEST_CASE("a session ends with measurements in the queue and counts those beyond
 }
 
 TEST_CASE("a hand on a target tissue that misses ticks keeps its contact", "[adapt]") {
-    const TissueModel law = law_example();
+    const TissueModel model = energy_model_example();
     // In at 0.1 m/s from 5 mm outside to a depth of 4 mm, and held there.
     const std::vector<Waypoint> motion = {{0, (Point(2) << 0.05, 0.105).finished()}, {0.09, (Point(2) << 0.05, 0.096).finished()}, {2, (Point(2) << 0.05, 0.096).finished()}};
-    TargetTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), law, options_for_learning());
+    TargetTissue device(std::make_unique<VirtualDevice>(motion, DeviceMap()), model, options_for_learning());
     int felt = 0;  // the tissue oscillates, and may leave a hand at rest for a moment
     for (int k = 0; k < 800; ++k)
         // 26 reads are missed, in which the hand moves by 3 mm
@@ -485,11 +485,11 @@ TEST_CASE("a hand on a target tissue that misses ticks keeps its contact", "[ada
 }
 
 TEST_CASE("adaptation of another mesh or beyond the stiffness of the steps or to spring sets is refused", "[adapt]") {
-    const TissueModel law = law_example();
-    HapticModel model(law, options_for_learning());
-    Adaptation other(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)), live());
+    const TissueModel tissue = energy_model_example();
+    HapticModel model(tissue, options_for_learning());
+    Adaptation other(energy_model_example(make_lattice("grid8", 6, 6, 0.1, 0.1)), live());
     CHECK_THROWS_WITH(Learner(model, other), Contains("other than the session's"));
-    Adaptation bold(law);
+    Adaptation bold(tissue);
     CHECK_THROWS_WITH(Learner(model, bold), Contains("the session's time steps are stable up to"));
     HapticModel sets(haptic_example(), {});
     CHECK_THROWS_WITH(Learner(sets, other), Contains("only an energy model"));
@@ -497,9 +497,9 @@ TEST_CASE("adaptation of another mesh or beyond the stiffness of the steps or to
 
 TEST_CASE("a file adapted beyond a session's bound plays unchanged and its steps allow its stiffness", "[adapt]") {
     const TemporaryFolder folder;
-    const TissueModel law = law_example(), truth = stiffer(law, 2.2);
-    Adaptation patient(law);
-    for (const ForceMeasurement& poke : pokes_of(truth, 12, 5)) patient.learn(poke);
+    const TissueModel tissue = energy_model_example(), target = stiffer(tissue, 2.2);
+    Adaptation patient(tissue);
+    for (const ForceMeasurement& poke : pokes_of(target, 12, 5)) patient.learn(poke);
     REQUIRE(patient.x().maxCoeff() > live_bound + 0.3);
     write_adapted_model(folder.file("patient.h5"), patient, {"test", 1, {}});
     const std::unique_ptr<Adaptation> live = live_adaptation(folder.file("patient.h5"));
@@ -507,20 +507,20 @@ TEST_CASE("a file adapted beyond a session's bound plays unchanged and its steps
     CHECK(options.stiffest >= std::exp(patient.x().maxCoeff()));
     HapticModel model(live->base(), options);
     { Learner learner(model, *live); }
-    for (const ForceMeasurement& poke : pokes_of(truth, 4, 6)) CHECK(live->learn(poke).status == UpdateStatus::learned);
+    for (const ForceMeasurement& poke : pokes_of(target, 4, 6)) CHECK(live->learn(poke).status == UpdateStatus::learned);
     CHECK((live->x() - patient.x()).lpNorm<Eigen::Infinity>() < 0.2);
     const std::unique_ptr<Adaptation> fresh = [&] {
-        write_model(folder.file("law.h5"), law, {"test", 1, {}});
+        write_model(folder.file("law.h5"), tissue, {"test", 1, {}});
         return live_adaptation(folder.file("law.h5"));
     }();
     CHECK(live_options({}, *fresh).stiffest == Approx(std::exp(live_bound)));
 }
 
 TEST_CASE("an energy model with its largest adapted stiffness stays stable in its steps", "[adapt]") {
-    const TissueModel law = law_example();
-    HapticModel model(law, options_for_learning());
+    const TissueModel tissue = energy_model_example();
+    HapticModel model(tissue, options_for_learning());
     Simulation simulation(model);
-    simulation.law()->become(RealtimeEnergyModel(stiffer(law, most), model.meshes[0]->springs).stiffness());
+    simulation.energy_model()->become(RealtimeEnergyModel(stiffer(tissue, most), model.meshes[0]->springs).stiffness());
     Port port(simulation);
     Draw draw(2);
     for (int k = 0; k < 3000; ++k) {
@@ -533,7 +533,7 @@ TEST_CASE("an energy model with its largest adapted stiffness stays stable in it
 }
 
 TEST_CASE("a failed adaptation ends the adaptation and not the session", "[adapt][long]") {
-    const TissueModel law = law_example();
+    const TissueModel model = energy_model_example();
     struct Told {
         int lines = 0;
         std::atomic<int> failures{0};
@@ -541,7 +541,7 @@ TEST_CASE("a failed adaptation ends the adaptation and not the session", "[adapt
         bool foreign = false;
     };
     for (bool foreign : {false, true}) {
-        Session s(law, stiffer(law, 0.5), 16);
+        Session s(model, stiffer(model, 0.5), 16);
         Told told;
         told.foreign = foreign;
         s.learner.on_line(
@@ -574,17 +574,17 @@ TEST_CASE("a failed adaptation ends the adaptation and not the session", "[adapt
         // The model in the session is that of the adaptation.
         for (int k = 0; k < 3000; ++k) s.step();
         CHECK(s.learner.arrived());
-        CHECK((s.simulation.law()->stiffness().constants - s.adaptation.law().constants).norm() == 0);
+        CHECK((s.simulation.energy_model()->stiffness().constants - s.adaptation.energy_model().constants).norm() == 0);
     }
 }
 
 TEST_CASE("a session's limits of adaptation override those of a file and are not written to files", "[adapt]") {
     const TemporaryFolder folder;
-    const TissueModel law = law_example();
+    const TissueModel model = energy_model_example();
     AdaptOptions sure;
     sure.place_error_m = 0;
-    Adaptation patient(law, sure);
-    for (const ForceMeasurement& poke : pokes_of(stiffer(law, 0.4), 6, 5)) patient.learn(poke);
+    Adaptation patient(model, sure);
+    for (const ForceMeasurement& poke : pokes_of(stiffer(model, 0.4), 6, 5)) patient.learn(poke);
     const std::string file = folder.file("patient.h5"), after = folder.file("after.h5");
     write_adapted_model(file, patient, {"test", 1, {}});
     const std::unique_ptr<Adaptation> live = live_adaptation(file);
@@ -593,9 +593,9 @@ TEST_CASE("a session's limits of adaptation override those of a file and are not
     // The session adapts as with a place error of 1 mm.
     AdaptOptions unsure;
     unsure.place_error_m = live_place_error_m;
-    Adaptation same(law, unsure);
+    Adaptation same(model, unsure);
     same.restore(patient.state());
-    for (const ForceMeasurement& poke : pokes_of(stiffer(law, 0.4), 3, 9)) {
+    for (const ForceMeasurement& poke : pokes_of(stiffer(model, 0.4), 3, 9)) {
         live->learn(poke);
         same.learn(poke);
     }
@@ -605,11 +605,11 @@ TEST_CASE("a session's limits of adaptation override those of a file and are not
     CHECK(adapted_options(after)->largest == AdaptOptions().largest);
     CHECK(adapted_options(after)->place_error_m == 0);
     // Likewise where the file was not adapted before.
-    write_model(folder.file("law.h5"), law, {"test", 1, {}});
+    write_model(folder.file("law.h5"), model, {"test", 1, {}});
     write_adapted_model(after, *live_adaptation(folder.file("law.h5")), {"test", 1, {}});
     CHECK(adapted_options(after)->largest == AdaptOptions().largest);
     // A larger value of the file is kept.
     unsure.place_error_m = 0.004;
-    write_adapted_model(file, Adaptation(law, unsure), {"test", 1, {}});
+    write_adapted_model(file, Adaptation(model, unsure), {"test", 1, {}});
     CHECK(live_adaptation(file)->place_error_m() == 0.004);
 }

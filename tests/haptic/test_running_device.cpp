@@ -141,7 +141,7 @@ TEST_CASE("with two devices no force is left on either after a failed start or a
     HapticOptions two;
     two.tools = 2;
     two.heuristic_mesh = false;
-    const HapticModel model(law_example(), two);
+    const HapticModel model(energy_model_example(), two);
     Simulation simulation(model);
     const auto both = [](Motors& a, Motors& b) { return std::vector<Device*>{&a, &b}; };
     for (const bool first : {false, true})
@@ -167,7 +167,7 @@ TEST_CASE("with two devices no force is left on either after a failed start or a
         CHECK((a.at_rest() && b.at_rest()));
         CHECK((a.beside_N == 0 && b.beside_N == 0));  // neither had a force when the first was stopped
         CHECK_THROWS_AS(run_loop(simulation, a, short_loop()), MismatchError);
-        const HapticModel one(law_example(), {});
+        const HapticModel one(energy_model_example(), {});
         Simulation alone(one);
         CHECK_THROWS_AS(run_loop(alone, both(a, b), short_loop()), MismatchError);
     }
@@ -253,7 +253,7 @@ TEST_CASE("a loop reports the cost of ticks to its session and the session count
     };
     HapticOptions options;
     options.dt_s = 1e-6;  // every tick costs more
-    const HapticModel model(law_example(make_lattice("grid8", 16, 16, 0.1, 0.1)), options);
+    const HapticModel model(energy_model_example(make_lattice("grid8", 16, 16, 0.1, 0.1)), options);
     Simulation simulation(model);
     /// Ends the session when the loss is counted, since the time for that depends on the machine.
     class Enough final : public TickHook {
@@ -345,7 +345,7 @@ TEST_CASE("a pause is no part of the tissue's time and is neither made up for no
 }
 
 TEST_CASE("the hand's motion during a pause gives no speed in the next tick", "[device]") {
-    const HapticModel model(law_example(), {});
+    const HapticModel model(energy_model_example(), {});
     const auto hand = [](int k) { return sample_at(0.05, 0.102 - 2e-4 * k); };  // 0.2 m/s
     Simulation paused(model), late(model);
     for (int k = 0; k < 40; ++k)
@@ -380,7 +380,7 @@ TEST_CASE("the energy of a force held until a pause is counted and none of the p
         }
         void write(const Eigen::Vector3d&) noexcept override {}
     } hand;
-    const HapticModel model(law_example(), {});
+    const HapticModel model(energy_model_example(), {});
     Simulation simulation(model);
     LoopOptions o = short_loop();
     o.clock = false;

@@ -76,7 +76,7 @@ TEST_CASE("selection without sets or by force without an equilibrium is refused"
     TissueModel empty = haptic_example();
     empty.case_names.clear();
     refusal<MismatchError>([&] { make(empty); });
-    const TissueModel floppy = haptic_example({"grid4", "axial"});
-    CHECK(refusal<MismatchError>([&] { make(floppy, SelectBy::force); })
+    const TissueModel singular = haptic_example({"grid4", "axial"});
+    CHECK(refusal<MismatchError>([&] { make(singular, SelectBy::force); })
               .find("zero-energy") != std::string::npos);
 }

@@ -25,8 +25,8 @@ std::vector<Kind> kinds() {
     std::vector<Kind> all;
     all.push_back({"linear springs", haptic_example()});
     all.push_back({"springs that turn", haptic_example({"grid8", "geometric"})});
-    all.push_back({"law", law_example()});
-    all.push_back({"law that relaxes", relaxing(law_example())});
+    all.push_back({"law", energy_model_example()});
+    all.push_back({"law that relaxes", relaxing(energy_model_example())});
     all.push_back({"law in space", solid_example(), true});
     all.push_back({"law in space that relaxes", relaxing(solid_example()), true});
     return all;
@@ -98,15 +98,15 @@ TEST_CASE("a saved or restored or copied session continues bit for bit", "[state
             played(s, at, until, kind.solid);
             at = until;
             const auto learn = [](Simulation& session) {  // during the session
-                EnergyModelStiffness stiffer = session.law()->stiffness();
+                EnergyModelStiffness stiffer = session.energy_model()->stiffness();
                 stiffer.constants *= 1.3;
                 stiffer.patch.log_N_m.row(0).array() += 0.1;
-                session.law()->become(stiffer);
+                session.energy_model()->become(stiffer);
                 session.energy_model_changed();
             };
-            if (s.law() && until == 390) learn(s);
+            if (s.energy_model() && until == 390) learn(s);
             const auto go_on = [&](Simulation& session) {  // where the tool is behind the hand before the model changes
-                if (session.law() && until == 223) learn(session);
+                if (session.energy_model() && until == 223) learn(session);
                 return played(session, at, at + 400, kind.solid);
             };
             std::vector<std::byte> state(s.state_size());
@@ -139,7 +139,7 @@ TEST_CASE("a copy keeps whether a kinetic friction coefficient was given even if
         HapticOptions options = alone();
         options.friction.stick = 0.3;
         if (own) options.friction.slip = 0.3;
-        const HapticModel model(law_example(), options);
+        const HapticModel model(energy_model_example(), options);
         const Simulation s(model), copy(s);
         CHECK(copy.options().friction.slip == s.options().friction.slip);
         CHECK(copy.friction().options().slip == options.friction.slip);
@@ -147,7 +147,7 @@ TEST_CASE("a copy keeps whether a kinetic friction coefficient was given even if
 }
 
 TEST_CASE("bytes that are no state of this session are refused and leave it unchanged", "[state]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     const HapticModel model(tissue, alone());
     HapticOptions finer = alone();
     finer.dt_s = 5e-4;
@@ -177,7 +177,7 @@ TEST_CASE("bytes that are no state of this session are refused and leave it unch
 }
 
 TEST_CASE("one model serves sessions in several threads without interaction", "[state]") {
-    const HapticModel model(relaxing(law_example()), sliding());
+    const HapticModel model(relaxing(energy_model_example()), sliding());
     Simulation lonely(model);
     const std::vector<double> expected = played(lonely, 0, 1200, false);
     std::vector<std::vector<double>> got(4);
@@ -191,15 +191,15 @@ TEST_CASE("one model serves sessions in several threads without interaction", "[
     for (const std::vector<double>& mine : got) CHECK(alike(mine, expected));
     // A model changed in one session is that session's own.
     Simulation learns(model), not_touched(model);
-    EnergyModelStiffness stiffer = learns.law()->stiffness();
+    EnergyModelStiffness stiffer = learns.energy_model()->stiffness();
     stiffer.constants *= 1.3;
-    learns.law()->become(stiffer);
+    learns.energy_model()->become(stiffer);
     CHECK(alike(played(not_touched, 0, 1200, false), expected));
     CHECK_FALSE(alike(played(learns, 0, 1200, false), expected));
 }
 
 TEST_CASE("offset and rotation and force scale and friction change during a session", "[state]") {
-    const HapticModel model(law_example(), alone());
+    const HapticModel model(energy_model_example(), alone());
     Simulation s(model);
     press(s, -0.002, 0.004);
     const double force_N = s.record().coupling_N.norm();
@@ -296,7 +296,7 @@ TEST_CASE("with the clutch on the hand moves without force and the tool stays", 
 }
 
 TEST_CASE("a session of another model takes over without a jump of force", "[state][long]") {
-    TissueModel soft = law_example(), stiff = soft, coarse = law_example(make_lattice("grid8", 8, 8, 0.1, 0.1));
+    TissueModel soft = energy_model_example(), stiff = soft, coarse = energy_model_example(make_lattice("grid8", 8, 8, 0.1, 0.1));
     stiff.energy_model->constants *= 1.5;
     const TissueModel after[] = {stiff, coarse, relaxing(soft), haptic_example()};
     for (const TissueModel& tissue : after) {
@@ -408,7 +408,7 @@ TEST_CASE("a session of another model takes over without a jump of force", "[sta
 TEST_CASE("a take-over during slip continues without a jump of force", "[state]") {
     HapticOptions o = alone();
     o.friction.stick = 0.2;
-    const HapticModel model(law_example(), o);
+    const HapticModel model(energy_model_example(), o);
     Simulation plays(model);
     press(plays, -0.002, 0.004, 0.04);
     double x_m = 0.04;
@@ -445,7 +445,7 @@ TEST_CASE("after a take-over the force on a moving hand stays within a quarter o
     for (const auto& [to_m, mu] : {std::pair{0.008, 1.0}, {-0.002, 1.0}, {0.008, 0.0}, {-0.002, 0.0}, {-0.002, 0.02}}) {
         HapticOptions o = alone();
         o.friction.stick = mu;
-        const HapticModel model(law_example(), o);
+        const HapticModel model(energy_model_example(), o);
         Simulation plays(model);
         press(plays, -0.002, 0.004, 0.04);
         Simulation next(model);
@@ -465,7 +465,7 @@ TEST_CASE("after a take-over the force on a moving hand stays within a quarter o
 }
 
 TEST_CASE("a take-over is refused when a contact has begun since follow()", "[state]") {
-    const HapticModel model(law_example(), alone());
+    const HapticModel model(energy_model_example(), alone());
     Simulation plays(model);
     for (int k = 0; k < 20; ++k) plays.tick(top(-0.01));
     Simulation early(model), beside(model), still(model);
@@ -495,7 +495,7 @@ TEST_CASE("energies of Maxwell branches are zero unless a session keeps an energ
     for (const bool kept : {false, true}) {
         HapticOptions o = alone();
         o.energy_book = kept;
-        const HapticModel model(relaxing(law_example()), o);
+        const HapticModel model(relaxing(energy_model_example()), o);
         Simulation s(model);
         press(s, -0.002, 0.004);
         CHECK((s.branches().stored_J > 0) == kept);
@@ -506,7 +506,7 @@ TEST_CASE("energies of Maxwell branches are zero unless a session keeps an energ
 TEST_CASE("a state restored into a session that has ticked changes no limits and does not unlock them", "[state]") {
     HapticOptions weak = alone();
     weak.safety.force_max_N = 0.5;
-    const HapticModel model(law_example(), weak);
+    const HapticModel model(energy_model_example(), weak);
     Simulation s(model);
     std::vector<std::byte> unticked(s.state_size());
     s.save(unticked.data());
@@ -523,7 +523,7 @@ TEST_CASE("a state restored into a session that has ticked changes no limits and
 }
 
 TEST_CASE("positions that come every 10 ticks and state their age raise no fault and give nearly the same force", "[state]") {
-    const HapticModel model(law_example(), alone());
+    const HapticModel model(energy_model_example(), alone());
     const auto led = [](double time_s) {
         const double s = std::clamp(time_s / 0.4, 0.0, 1.0), t = std::clamp((time_s - 0.6) / 0.05, 0.0, 1.0);
         return top(-0.004 + 0.008 * s * s * (3 - 2 * s) - 0.04 * t);  // in smoothly, and out at 0.8 m/s

@@ -27,8 +27,8 @@ DeviceSample pressing(long k, double depth = 0.008, double x = 0.047) {
 }
 
 TissueModel model_of(const ExampleModel& e) {
-    if (e.law == "relaxing law") return relaxing(law_example(make_lattice(e.topology, e.cells, e.cells, 0.1, 0.1)));
-    return e.law == "law" ? law_example(make_lattice(e.topology, e.cells, e.cells, 0.1, 0.1)) : haptic_example(e);
+    if (e.law == "relaxing law") return relaxing(energy_model_example(make_lattice(e.topology, e.cells, e.cells, 0.1, 0.1)));
+    return e.law == "law" ? energy_model_example(make_lattice(e.topology, e.cells, e.cells, 0.1, 0.1)) : haptic_example(e);
 }
 
 /// An adversarial hand: runs, jumps, tunnels and vibrates at corners, with invalid samples.
@@ -543,16 +543,16 @@ TEST_CASE("invalid options of a haptic model are refused", "[simulation]") {
     refused([](HapticOptions& o) { o.map.scale = 0; });
     CHECK(refused([](HapticOptions& o) { o.sets = "best"; }).find("example, optimum") != std::string::npos);
 
-    const TissueModel law = law_example();
-    const auto refused_of_law = [&](auto change) {
+    const TissueModel model = energy_model_example();
+    const auto refused_of_energy_model = [&](auto change) {
         HapticOptions o;
         change(o);
-        return refusal<MismatchError>([&] { HapticModel(law, o); });
+        return refusal<MismatchError>([&] { HapticModel(model, o); });
     };
-    CHECK(refused_of_law([](HapticOptions& o) { o.sets = "optimum"; }).find("energy model has no") != std::string::npos);
-    CHECK(refused_of_law([](HapticOptions& o) { o.select_by = SelectBy::force; }).find("energy model has no") != std::string::npos);
+    CHECK(refused_of_energy_model([](HapticOptions& o) { o.sets = "optimum"; }).find("energy model has no") != std::string::npos);
+    CHECK(refused_of_energy_model([](HapticOptions& o) { o.select_by = SelectBy::force; }).find("energy model has no") != std::string::npos);
     for (const char* step : {"implicit", "paper"})
-        CHECK(refused_of_law([&](HapticOptions& o) { o.dynamics = step; }).find(step) != std::string::npos);
+        CHECK(refused_of_energy_model([&](HapticOptions& o) { o.dynamics = step; }).find(step) != std::string::npos);
 }
 
 TEST_CASE("the proxy of a master that leaves one mesh into the other stops at the second surface", "[simulation]") {

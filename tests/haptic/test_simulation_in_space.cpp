@@ -10,7 +10,7 @@
 #include "../example.h"
 #include "../mesh/dome.h"
 #include "../refusal.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "error.h"
 #include "haptic/moving_triangles.h"
 #include "haptic/state_channel.h"
@@ -19,7 +19,7 @@
 #include "mesh/embedded_lattice.h"
 #include "mesh/free_surface.h"
 #include "springs/contact_spring.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 #include "springs/indentation_solver.h"
 
 using namespace tissue;
@@ -100,7 +100,7 @@ double frequency(const TissueModel& tissue, const Eigen::Vector3d& contact_m) {
 
 TEST_CASE("a solid indented in motion comes to rest at minimum energy and the mesh beside it gets the same force", "[simulation][solid]") {
     const TissueModel tissue = solid_example();
-    const IndentationSolver press(tissue);
+    const IndentationSolver solver(tissue);
     Simulation s(solid());
     const Eigen::Vector3d contact(0.043, 0.056, 0.05), push(0.001, -0.002, -0.005);
     Way way(s, contact + Eigen::Vector3d(0, 0, 0.005));
@@ -111,7 +111,7 @@ TEST_CASE("a solid indented in motion comes to rest at minimum energy and the me
     const Point touched = s.model().meshes[0]->springs.rest_place(r.facet, r.weight);
     CHECK((touched - contact).norm() < 1e-3);
     CHECK((r.contact_displacement_m - (contact + push - touched)).norm() < 1e-12);
-    const Equilibrium rest = press.at(touched, r.contact_displacement_m);
+    const Equilibrium rest = solver.at(touched, r.contact_displacement_m);
     REQUIRE(rest);
     CHECK((r.coupling_N + rest.contact_force).norm() < 1e-3 * rest.contact_force.norm());
     CHECK((s.state(0).displacement - NodeColumns(rest.displacement)).norm() < 1e-3 * rest.displacement.norm());
@@ -122,7 +122,7 @@ TEST_CASE("a solid indented in motion comes to rest at minimum energy and the me
     NodeColumns seen = s.state(0).displacement, other = s.state(1).displacement;
     s.seen(0, seen);
     s.seen(1, other);
-    const NodeField wanted = press.seen(touched, r.contact_displacement_m, rest.displacement);
+    const NodeField wanted = solver.displayed(touched, r.contact_displacement_m, rest.displacement);
     CHECK((seen - NodeColumns(wanted)).norm() < 1e-3 * wanted.norm());
     CHECK((seen - s.state(0).displacement).norm() > 1e-2 * wanted.norm());
     CHECK((other - s.state(1).displacement).norm() > 1e-2 * wanted.norm());
@@ -162,8 +162,8 @@ TEST_CASE("a solid indented in motion comes to rest at minimum energy and the me
 }
 
 TEST_CASE("an embedded solid comes to rest at minimum energy and its ticks allocate nothing", "[simulation][solid][embedded][long]") {
-    const TissueModel tissue = solid_law_example(embedded_lattice(dome(8), 0.011));
-    const IndentationSolver press(tissue);
+    const TissueModel tissue = solid_model_example(embedded_lattice(dome(8), 0.011));
+    const IndentationSolver solver(tissue);
     HapticOptions o;
     o.heuristic_mesh = false;
     const HapticModel model(tissue, o);
@@ -179,7 +179,7 @@ TEST_CASE("an embedded solid comes to rest at minimum energy and its ticks alloc
     const TickRecord& r = s.record();
     REQUIRE(r.mesh == 0);
     const Point touched = s.model().meshes[0]->springs.rest_place(r.facet, r.weight);
-    const Equilibrium rest = press.at(touched, r.contact_displacement_m);
+    const Equilibrium rest = solver.at(touched, r.contact_displacement_m);
     REQUIRE(rest);
     CHECK((r.coupling_N + rest.contact_force).norm() < 1e-3 * rest.contact_force.norm());
     CHECK((s.state(0).displacement - NodeColumns(rest.displacement)).norm() < 1e-3 * rest.displacement.norm());

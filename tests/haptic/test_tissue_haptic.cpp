@@ -137,11 +137,11 @@ TEST_CASE("percentiles of durations are within 1 % and the largest is exact", "[
 }
 
 TEST_CASE("a recorded session replays to bitwise equal forces", "[recorder]") {
-    const bool law = GENERATE(false, true);
+    const bool is_energy_model = GENERATE(false, true);
     const TemporaryFolder folder;
     HapticOptions o;
     o.map.force_scale = 100;
-    const HapticModel model(law ? law_example() : haptic_example(), o);
+    const HapticModel model(is_energy_model ? energy_model_example() : haptic_example(), o);
     {
         // in simulated time: no tick is missed
         Simulation simulation(model);
@@ -177,7 +177,7 @@ TEST_CASE("a recorded session replays to bitwise equal forces", "[recorder]") {
 TEST_CASE("a recording with resets on tissue that relaxes replays to bitwise equal forces", "[recorder][memory]") {
     const bool solid = GENERATE(false, true);
     const TemporaryFolder folder;
-    const HapticModel model(relaxing(solid ? solid_example() : law_example()), {});
+    const HapticModel model(relaxing(solid ? solid_example() : energy_model_example()), {});
     {
         Simulation simulation(model);
         StateChannel page(model);
@@ -378,7 +378,7 @@ TEST_CASE("tissue-haptic prints statistics as JSON with every key and records ev
 TEST_CASE("tissue-haptic plays and records and replays an energy model and refuses options of spring sets", "[program]") {
     const TemporaryFolder folder;
     const std::string model = folder.file("law.h5");
-    write_model(model, law_example(), {"test", 1, {}});
+    write_model(model, energy_model_example(), {"test", 1, {}});
     const Ended ended = run(folder, model + " --seconds 1 --motion sine --json --record " + folder.file("s.h5"));
     INFO(ended.err);
     REQUIRE(ended.status == 0);
@@ -401,7 +401,7 @@ TEST_CASE("tissue-haptic plays and records and replays an energy model and refus
 TEST_CASE("tissue-haptic plays an energy model that relaxes and refuses --check for it", "[program][memory]") {
     const TemporaryFolder folder;
     const std::string model = folder.file("law.h5");
-    write_model(model, relaxing(law_example()), {"test", 1, {}});
+    write_model(model, relaxing(energy_model_example()), {"test", 1, {}});
     const Ended ended = run(folder, model + " --seconds 1 --motion press --json --energy-book");
     INFO(ended.err);
     REQUIRE(ended.status == 0);
@@ -449,7 +449,7 @@ TEST_CASE("a session whose messages are not read still writes its recording", "[
 TEST_CASE("two devices of tissue-haptic have their own tools and options and statistics and recordings that replay both", "[program][two]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("law.h5"), recording = folder.file("two.h5");
-    write_model(file, law_example(), {"test", 1, {}});
+    write_model(file, energy_model_example(), {"test", 1, {}});
     const std::string play = file + " --no-clock --json";
     const Ended ended = run(folder, play + " --seconds 1.5 --motion press --aside -0.025 --depth 0.006 --second-device virtual --second-motion sine --second-aside 0.025 --second-depth 0.004 --second-force-scale 2 --second-force-max 0.05 --record " + recording);
     INFO(ended.err);
@@ -535,7 +535,7 @@ TEST_CASE("tissue-haptic plays on the force-dimension stand-in and prints its ty
 TEST_CASE("a session lasts until a device ends and ten seconds with the virtual device", "[program]") {
     const TemporaryFolder folder;
     const std::string model = folder.file("law.h5");
-    write_model(model, law_example(), {"test", 1, {}});
+    write_model(model, energy_model_example(), {"test", 1, {}});
     const auto ticks = [&](const std::string& arguments) {
         const Ended e = run(folder, model + " --no-clock --json " + arguments);
         REQUIRE(e.status == 0);

@@ -8,7 +8,7 @@
 #include "../allocations.h"
 #include "../mesh/embedded_block.h"
 #include "../refusal.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "../springs/several_discs.h"
 #include "haptic/energy_model_spectrum.h"
 #include "haptic/session_options.h"
@@ -22,7 +22,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 const TissueModel& block() {
-    static const TissueModel model = solid_law_example(embedded_block(Lattice{{8, 8, 3}, {0.08, 0.08, 0.03}}));
+    static const TissueModel model = solid_model_example(embedded_block(Lattice{{8, 8, 3}, {0.08, 0.08, 0.03}}));
     return model;
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("two tools in motion come to rest with the forces of their common equi
     Hands hands{s};
     hands.to(left_m, right_m, 100);
     hands.to(left_m + left_push, right_m + right_push, 300, 6000);
-    const IndentationSolver press(block());
+    const IndentationSolver solver(block());
     std::vector<ToolPush> tools;
     for (int t : {0, 1}) {
         REQUIRE(s.record(t).mesh == 0);
@@ -73,10 +73,10 @@ TEST_CASE("two tools in motion come to rest with the forces of their common equi
         tools.push_back({s.model().meshes[0]->springs.rest_place(s.record(t).facet, s.record(t).weight), s.record(t).contact_displacement_m});
     }
     CHECK((tools[1].contact_m - right_m).norm() < 1e-3);
-    const ToolsEquilibrium rest = press.at(tools);
+    const ToolsEquilibrium rest = solver.at(tools);
     REQUIRE(rest);
     for (std::size_t t : {0u, 1u}) {
-        const Point alone_N = press.at(tools[t].contact_m, tools[t].push_m).contact_force, both_N = rest.contact_force[t];
+        const Point alone_N = solver.at(tools[t].contact_m, tools[t].push_m).contact_force, both_N = rest.contact_force[t];
         CHECK((s.record(static_cast<int>(t)).coupling_N + both_N).norm() < 2e-3 * both_N.norm());
         // else the test would pass with tools that do not interact
         CHECK((alone_N - both_N).norm() > 0.02 * both_N.norm());
@@ -85,7 +85,7 @@ TEST_CASE("two tools in motion come to rest with the forces of their common equi
 
     // The displayed displacement is that of evaluation, one tool after the other.
     NodeColumns seen = s.state(0).displacement;
-    const NodeField wanted = press.seen(tools[1].contact_m, tools[1].push_m, press.seen(tools[0].contact_m, tools[0].push_m, rest.displacement));
+    const NodeField wanted = solver.displayed(tools[1].contact_m, tools[1].push_m, solver.displayed(tools[0].contact_m, tools[0].push_m, rest.displacement));
     s.seen(0, seen);
     CHECK((seen - NodeColumns(wanted)).norm() < 2e-3 * wanted.norm());
 }

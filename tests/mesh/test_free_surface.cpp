@@ -22,10 +22,10 @@ SpringMesh block() { return embedded_block(Lattice{{4, 3, 2}, {0.04, 0.03, 0.02}
 TEST_CASE("the free surface of a block excludes its bottom and gives nearest points and inward normals", "[solid]") {
     const SpringMesh mesh = block();
     const FreeSurface surface(mesh);
-    CHECK(surface.held_facets().rows() == 2 * 4 * 3);
-    CHECK(surface.facets().rows() + surface.held_facets().rows() == mesh.facets.rows());
+    CHECK(surface.fixed_facets_of_surface().rows() == 2 * 4 * 3);
+    CHECK(surface.facets().rows() + surface.fixed_facets_of_surface().rows() == mesh.facets.rows());
     CHECK(surface.spacing_m() == Approx(0.01).epsilon(tolerance::rounding));
-    CHECK(seen_nodes(mesh) == surface.nodes());
+    CHECK(compared_nodes(mesh) == surface.nodes());
     CHECK(std::count(surface.nodes().begin(), surface.nodes().end(), node_at(mesh, Eigen::Vector3d(0.02, 0.01, 0.01))) == 0);
     const FreeSurface::Place top = surface.nearest(Eigen::Vector3d(0.013, 0.017, 0.025));
     CHECK((top.point_m - Eigen::Vector3d(0.013, 0.017, 0.02)).norm() < 1e-12);

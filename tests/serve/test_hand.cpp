@@ -69,7 +69,7 @@ TEST_CASE("the demo indents every place to the depth of its load cases and nowhe
 TEST_CASE("the demo resets relaxing tissue before every indentation and never resets elastic tissue", "[serve][memory]") {
     for (const bool relaxes : {true, false}) {
         const TemporaryFolder folder;
-        write_model(folder.file("law.h5"), relaxes ? relaxing(law_example()) : law_example(), {"test", 1, {}});
+        write_model(folder.file("law.h5"), relaxes ? relaxing(energy_model_example()) : energy_model_example(), {"test", 1, {}});
         Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
         Show show(stage, [](int, const std::string&) {});
         Simulation simulation(stage.model());
@@ -98,7 +98,7 @@ TEST_CASE("the demo resets relaxing tissue before every indentation and never re
 TEST_CASE("the demo resets a mesh that has not returned to rest before the next indentation", "[serve][long]") {
     for (const bool away : {true, false}) {
         const TemporaryFolder folder;
-        write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
+        write_model(folder.file("law.h5"), energy_model_example(), {"test", 1, {}});
         Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
         Show show(stage, [](int, const std::string&) {});
         // the demo indents the first; the show gets the states of the second
@@ -124,7 +124,7 @@ TEST_CASE("the demo resets a mesh that has not returned to rest before the next 
 
 TEST_CASE("in the plane the tool enters perpendicular to the nearest side although the device lags the hand", "[serve]") {
     const TemporaryFolder folder;
-    write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
+    write_model(folder.file("law.h5"), energy_model_example(), {"test", 1, {}});
     Stage stage({folder.file("law.h5")}, StageOptions{{}, false});
     Show show(stage, [](int, const std::string&) {});
     show.join(1);
@@ -181,7 +181,7 @@ TEST_CASE("a hand dragged along the side of a plane mesh first waits outside and
 
 TEST_CASE("the demo resets model and target tissue together: equal tissues have equal forces at rest within 2 per cent", "[serve][adapt][memory]") {
     const TemporaryFolder folder;
-    write_model(folder.file("law.h5"), relaxing(law_example()), {"test", 1, {}});
+    write_model(folder.file("law.h5"), relaxing(energy_model_example()), {"test", 1, {}});
     StageOptions options;
     options.realtime = false;
     options.hidden = folder.file("law.h5");

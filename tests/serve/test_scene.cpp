@@ -82,7 +82,7 @@ TEST_CASE("the nearest place has the nearest contact and most similar direction;
 }
 
 TEST_CASE("the scene of an energy model has springs and places with FE forces and no spring set", "[serve]") {
-    TissueModel tissue = law_example();
+    TissueModel tissue = energy_model_example();
     tissue.contact_force_N = 100 * tissue.magnitude_m.asDiagonal() * tissue.direction;
     const HapticModel model(tissue, {});
     const Scene scene(tissue, model);
@@ -118,16 +118,16 @@ TEST_CASE("the model message of a relaxing energy model has the relaxation of it
         const HapticModel model(tissue, {});
         return Json::parse(Scene(tissue, model).message({"a"}, 0));
     };
-    TissueModel tissue = relaxing(law_example());
+    TissueModel tissue = relaxing(energy_model_example());
     tissue.energy_model->relaxation.share *= 0.5;   // the message has the contact's moduli, not these
     const Json relaxation = told(tissue)["relaxation"];
     CHECK(relaxation == Json({{"tau_s", {0.05, 1.0, 10.0}}, {"share", {0.30, 0.25, 0.20}}}));
-    CHECK(told(law_example()).count("relaxation") == 0);
+    CHECK(told(energy_model_example()).count("relaxation") == 0);
     CHECK(told(with_forces()).count("relaxation") == 0);
 }
 
 TEST_CASE("a state has the time of the last reset and 0 before the first", "[serve]") {
-    const TissueModel tissue = relaxing(law_example());
+    const TissueModel tissue = relaxing(energy_model_example());
     const HapticModel model(tissue, {});
     const Scene scene(tissue, model);
     Simulation simulation(model);

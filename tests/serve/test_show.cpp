@@ -125,7 +125,7 @@ TEST_CASE("two clients lead one tool each and a state has the numbers of both to
     const bool solid = GENERATE(false, true);
     const TemporaryFolder folder;
     const std::string file = folder.file("law.h5");
-    write_model(file, solid ? solid_example() : law_example(), {"test", 1, {}});
+    write_model(file, solid ? solid_example() : energy_model_example(), {"test", 1, {}});
     StageOptions options;
     options.realtime = false;
     options.haptic.tools = 2;
@@ -203,7 +203,7 @@ TEST_CASE("two clients lead one tool each and a state has the numbers of both to
     CHECK(stage.counts().clamped == stage.simulation().safety(0).counters().clamped + stage.simulation().safety(1).counters().clamped);
     // after a change to a model of the other dimension the pointers of both tools have that dimension
     const std::string other = folder.file("other.h5");
-    write_model(other, solid ? law_example() : solid_example(), {"test", 1, {}});
+    write_model(other, solid ? energy_model_example() : solid_example(), {"test", 1, {}});
     Stage pair({file, other}, options);
     Show turned(pair, [](int, const std::string&) {});
     turned.join(1);
@@ -219,7 +219,7 @@ TEST_CASE("two clients lead one tool each and a state has the numbers of both to
 
 TEST_CASE("an option of spring sets is accepted if one model has sets and refused for energy models alone", "[serve]") {
     const TemporaryFolder folder;
-    write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
+    write_model(folder.file("law.h5"), energy_model_example(), {"test", 1, {}});
     write_model(folder.file("sets.h5"), haptic_example(), {"test", 1, {}});
     StageOptions options;
     options.haptic.innovation = 0.1;
@@ -229,10 +229,10 @@ TEST_CASE("an option of spring sets is accepted if one model has sets and refuse
 
 TEST_CASE("a model that adapts sends the results of its measurements; a client that joins later gets the newest", "[serve][adapt][long]") {
     const TemporaryFolder folder;
-    TissueModel hidden = law_example();
+    TissueModel hidden = energy_model_example();
     for (double& constant : hidden.energy_model->constants) constant *= 1.5;
     hidden.energy_model->patch.log_N_m.array() += std::log(1.5);
-    write_model(folder.file("law.h5"), law_example(), {"test", 1, {}});
+    write_model(folder.file("law.h5"), energy_model_example(), {"test", 1, {}});
     write_model(folder.file("hidden.h5"), hidden, {"test", 1, {}});
     write_model(folder.file("sets.h5"), haptic_example(), {"test", 1, {}});
     StageOptions options;

@@ -162,14 +162,14 @@ TEST_CASE("a tool that moves with the tissue has no force; forces on tool and no
 
 TEST_CASE("finding a patch and its load allocates nothing") {
     const ContactSurface surface(uneven());
-    ContactParameters law;
+    ContactParameters contact_parameters;
     Eigen::Vector2d u[ContactPatch::size];
     set_to(u, [](int i) { return Eigen::Vector2d(0.001 * i, 0); });
     double energy = 0;
     {
         const Allocations none;
         const ContactPatch patch = surface.at(0.0371);
-        energy = PatchSpring(patch, law.at(patch)).load({0.001, 0}, u).energy_J;
+        energy = PatchSpring(patch, contact_parameters.at(patch)).load({0.001, 0}, u).energy_J;
     }
     CHECK(Allocations::count() == 0);
     CHECK(energy > 0);

@@ -1,4 +1,4 @@
-// Contact parameters of a disc before training. test_solid_law.cpp checks them in series with a lattice.
+// Contact parameters of a disc before training. test_solid_energy_model.cpp checks them in series with a lattice.
 #include "springs/disc_rows.h"
 
 #include <catch2/catch.hpp>

@@ -23,10 +23,10 @@ std::array<double, 2> stiffness_range(const SpringMesh& mesh) {
     const bool solid = mesh.is_solid();
     const Eigen::Index cells = mesh_cells(mesh).rows();
     const EnergyModelHeuristic heuristic = solid ? solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(cells, E), E, 12, 0.007) : energy_model_heuristic(mesh, E, "plane-stress", 12);
-    const EnergyModelTerms law(mesh, heuristic, {"spring.all"});
-    Eigen::VectorXd constants = law.constants(Eigen::VectorXd::Zero(1));
+    const EnergyModelTerms model_terms(mesh, heuristic, {"spring.all"});
+    Eigen::VectorXd constants = model_terms.constants(Eigen::VectorXd::Zero(1));
     constants.tail(constants.size() - mesh.spring_count()).setZero();
-    const TissueEnergy energy = law.energy(mesh);
+    const TissueEnergy energy = model_terms.energy(mesh);
     const NodeField rest = NodeField::Zero(mesh.node_count(), mesh.dimension());
     const Eigen::SparseMatrix<double> K = energy.tangent(constants, rest);
     std::mt19937 random(1);

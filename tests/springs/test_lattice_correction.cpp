@@ -14,17 +14,17 @@ namespace {
 
 constexpr double h = 0.012, radius_m = 0.007, E_Pa = 4524;
 
-EnergyModel law_on(const SpringMesh& mesh) {
+EnergyModel energy_model_on(const SpringMesh& mesh) {
     const Eigen::VectorXd springs = Eigen::VectorXd::Constant(mesh.spring_count(), E_Pa), cells = Eigen::VectorXd::Constant(mesh.embedding.cubes.rows(), E_Pa);
-    const EnergyModelTerms law(mesh, solid_heuristic(mesh, springs, cells, E_Pa, 12, radius_m), {"spring.all"});
+    const EnergyModelTerms model_terms(mesh, solid_heuristic(mesh, springs, cells, E_Pa, 12, radius_m), {"spring.all"});
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
-    return {law.terms(), none, law.constants(none), law.patch(none), false, radius_m};
+    return {model_terms.terms(), none, model_terms.constants(none), model_terms.patch(none), false, radius_m};
 }
 
 /// Trace of the stiffness against a small displacement of the tool [N/m].
-double stiffness(const IndentationSolver& press, const Point& place) {
+double stiffness(const IndentationSolver& solver, const Point& place) {
     double trace = 0;
-    for (int d = 0; d < 3; ++d) trace += press.at(place, 1e-7 * Eigen::Vector3d::Unit(d)).contact_force[d] / 1e-7;
+    for (int d = 0; d < 3; ++d) trace += solver.at(place, 1e-7 * Eigen::Vector3d::Unit(d)).contact_force[d] / 1e-7;
     return trace;
 }
 
@@ -33,16 +33,16 @@ double stiffness(const IndentationSolver& press, const Point& place) {
 TEST_CASE("the correction brings contact stiffness to the geometric mean over four shifted lattices", "[embedded][long]") {
     const Shape shape = dome(8);
     const SpringMesh mesh = embedded_lattice(shape, h);
-    const FacetTable table = lattice_corrections(shape, mesh, law_on, Eigen::VectorXd::Constant(1, radius_m), 2).at(0);
+    const FacetTable table = lattice_corrections(shape, mesh, energy_model_on, Eigen::VectorXd::Constant(1, radius_m), 2).at(0);
     REQUIRE(table.value.rows() == mesh.facets.rows());
     const FreeSurface surface(mesh);
-    EnergyModel law = law_on(mesh), with_table = law;
+    EnergyModel energy_model = energy_model_on(mesh), with_table = energy_model;
     with_table.disc.correction = table;
-    const IndentationSolver plain(mesh, law), corrected(mesh, with_table);
+    const IndentationSolver plain(mesh, energy_model), corrected(mesh, with_table);
     std::vector<std::unique_ptr<IndentationSolver>> shifted;
     for (const Eigen::Vector3d& shift : {Eigen::Vector3d(0.5, 0.5, 0), Eigen::Vector3d(0.5, 0, 0.5), Eigen::Vector3d(0, 0.5, 0.5)}) {
         const SpringMesh moved = shifted_lattice(shape, h, shift);
-        shifted.push_back(std::make_unique<IndentationSolver>(moved, law_on(moved)));
+        shifted.push_back(std::make_unique<IndentationSolver>(moved, energy_model_on(moved)));
     }
     double most_before = 0, most_after = 0, squares_before = 0, squares_between = 0;
     for (Eigen::Index free = 0; free < surface.facets().rows(); free += 29) {
@@ -71,9 +71,9 @@ TEST_CASE("the correction brings contact stiffness to the geometric mean over fo
 TEST_CASE("corrections of a disc do not depend on other discs or on the number of threads", "[embedded][long]") {
     const Shape shape = dome(14);
     const SpringMesh mesh = embedded_lattice(shape, 2 * h);
-    const std::vector<FacetTable> tables = lattice_corrections(shape, mesh, law_on, Eigen::Vector2d(0.005, radius_m), 2);
+    const std::vector<FacetTable> tables = lattice_corrections(shape, mesh, energy_model_on, Eigen::Vector2d(0.005, radius_m), 2);
     REQUIRE(tables.size() == 2);
-    CHECK(lattice_corrections(shape, mesh, law_on, Eigen::VectorXd::Constant(1, radius_m), 1)[0].value == tables[1].value);
+    CHECK(lattice_corrections(shape, mesh, energy_model_on, Eigen::VectorXd::Constant(1, radius_m), 1)[0].value == tables[1].value);
     CHECK(tables[0].value != tables[1].value);
 }
 

@@ -5,7 +5,7 @@
 #include "../mesh/dome.h"
 #include "../mutations.h"
 #include "../refusal.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "error.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/free_surface.h"
@@ -18,7 +18,7 @@ using Catch::Matchers::StartsWith;
 namespace {
 
 TissueModel with_nodule() {
-    TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
+    TissueModel model = solid_model_example(embedded_lattice(dome(6), 0.011));
     model.heuristic_b = model.heuristic_a;
     model.contact_m = FreeSurface(model.mesh).nearest(Eigen::Vector3d(0, 0, 0.05)).point_m.transpose();
     model.direction = Eigen::RowVector3d(0, 0, -1);

@@ -72,15 +72,15 @@ TEST_CASE("the mean of a disc's points reaches the larger of 1.6 cube edges and 
 TEST_CASE("the sparse tangent of a disc's points is the dense one of all its rows", "[embedded]") {
     const SpringMesh mesh = flat();
     const DiscContact kernel(mesh, R);
-    ContactParameters law;
-    law.log_N_m.setConstant(ContactParameters::disc_rows, ContactParameters::factors, 0.3);
+    ContactParameters contact_parameters;
+    contact_parameters.log_N_m.setConstant(ContactParameters::disc_rows, ContactParameters::factors, 0.3);
     ContactRows rows = kernel.rows_at(Eigen::Vector3d(0.0011, 0.0287, 0.032));  // some points outside the tissue
     const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(rows.pull.cols(), -1e-3, 2e-3);
     const Eigen::Vector3d push(1e-3, -2e-3, -4e-3);
     REQUIRE(rows.touched.size() == 61);
-    const Eigen::MatrixXd sparse = ContactSpring(rows, law).tangent(push, u);
+    const Eigen::MatrixXd sparse = ContactSpring(rows, contact_parameters).tangent(push, u);
     rows.touched.clear();
-    const Eigen::MatrixXd dense = ContactSpring(rows, law).tangent(push, u);
+    const Eigen::MatrixXd dense = ContactSpring(rows, contact_parameters).tangent(push, u);
     CHECK((sparse - dense).norm() < 1e-13 * dense.norm());
 }
 
@@ -173,11 +173,11 @@ TEST_CASE("the curvature factor is clamped to its trained range; a correction sc
     CHECK(bounded.rows_at(place).factors[ContactParameters::curved_factor] == 0.1);
     CHECK(corrected.rows_at(place).factors == free.rows_at(place).factors);
 
-    ContactParameters law;
-    law.log_N_m.setConstant(ContactParameters::disc_rows, ContactParameters::factors, 0.1);
-    law.log_N_m.col(ContactParameters::curved_factor).setConstant(3);
-    const ContactSpring unscaled(free.rows_at(place), law), scaled(corrected.rows_at(place), law);
-    CHECK(ContactSpring(bounded.rows_at(place), law).k_N_m[0] == Approx(unscaled.k_N_m[0] * std::exp(3 * 0.1)));
+    ContactParameters contact_parameters;
+    contact_parameters.log_N_m.setConstant(ContactParameters::disc_rows, ContactParameters::factors, 0.1);
+    contact_parameters.log_N_m.col(ContactParameters::curved_factor).setConstant(3);
+    const ContactSpring unscaled(free.rows_at(place), contact_parameters), scaled(corrected.rows_at(place), contact_parameters);
+    CHECK(ContactSpring(bounded.rows_at(place), contact_parameters).k_N_m[0] == Approx(unscaled.k_N_m[0] * std::exp(3 * 0.1)));
     CHECK(scaled.k_N_m.isApprox(std::exp(0.3) * unscaled.k_N_m, 1e-12));
     CHECK(scaled.hardening_1_J == Approx(std::exp(-0.3) * unscaled.hardening_1_J));
 }

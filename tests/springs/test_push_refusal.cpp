@@ -6,7 +6,7 @@
 
 #include "../mesh/embedded_block.h"
 #include "../haptic/haptic_example.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 
 using namespace tissue;
 using Catch::Matchers::Contains;

@@ -12,7 +12,7 @@
 #include "../mesh/dome.h"
 #include "../mutations.h"
 #include "../refusal.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "haptic/simulation.h"
 #include "mesh/embedded_lattice.h"
 #include "mesh/free_surface.h"
@@ -145,7 +145,7 @@ TEST_CASE("an unknown spring law and a modulus that is not positive and finite a
 TEST_CASE("a model in an embedded lattice is read back unchanged; inconsistent datasets are refused by name", "[embedded]") {
     const TemporaryFolder folder;
     const std::string whole = folder.file("whole.h5"), file = folder.file("model.h5");
-    TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
+    TissueModel model = solid_model_example(embedded_lattice(dome(6), 0.011));
     model.heuristic_b = model.heuristic_a;
     model.contact_m = FreeSurface(model.mesh).nearest(Eigen::Vector3d(0, 0, 0.05)).point_m.transpose();
     model.direction = Eigen::RowVector3d(0, 0, -1);

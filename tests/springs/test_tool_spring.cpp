@@ -23,21 +23,21 @@ namespace {
 SpringMesh solid(int x, int y, int z) { return embedded_block(Lattice{{x, y, z}, {0.01 * x, 0.01 * y, 0.01 * z}}); }
 
 /// Contact parameters of a disc similar to those of block3: it hardens, and its stiffness depends on the place.
-ContactParameters disc_law() {
-    ContactParameters law;
-    law.log_N_m.setZero(ContactParameters::disc_rows, 4);
-    law.log_N_m.col(0) << 3.2, 2.7, 1.1, 0.6, 4, 5, 7;
-    law.log_N_m.col(1) << 0.1, -0.2, 0.1, 0.05, 0.1, 0, 0.2;
-    law.log_N_m.col(2) << 0.5, 0.3, 0.2, 0.4, 0, 0, 0;
-    law.log_N_m.col(3) << -0.3, 0.2, 0.1, -0.1, 0.3, 0, 0;
-    return law;
+ContactParameters disc_parameters() {
+    ContactParameters contact_parameters;
+    contact_parameters.log_N_m.setZero(ContactParameters::disc_rows, 4);
+    contact_parameters.log_N_m.col(0) << 3.2, 2.7, 1.1, 0.6, 4, 5, 7;
+    contact_parameters.log_N_m.col(1) << 0.1, -0.2, 0.1, 0.05, 0.1, 0, 0.2;
+    contact_parameters.log_N_m.col(2) << 0.5, 0.3, 0.2, 0.4, 0, 0, 0;
+    contact_parameters.log_N_m.col(3) << -0.3, 0.2, 0.1, -0.1, 0.3, 0, 0;
+    return contact_parameters;
 }
 
-ContactParameters plane_law() {
-    ContactParameters law;
-    law.log_N_m.col(0) << 3.2, 2.7, 1.1, 0.6;
-    law.log_N_m.col(1) << 0.1, -0.2, 0.1, 0.05;
-    return law;
+ContactParameters plane_parameters() {
+    ContactParameters contact_parameters;
+    contact_parameters.log_N_m.col(0) << 3.2, 2.7, 1.1, 0.6;
+    contact_parameters.log_N_m.col(1) << 0.1, -0.2, 0.1, 0.05;
+    return contact_parameters;
 }
 
 NodeField some_ground() {
@@ -106,8 +106,8 @@ DiscTables some_tables(const SpringMesh& mesh) {
 
 TEST_CASE("a disc's contact in the tick has the energy and forces of the contact in training", "[solid][embedded]") {
     for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) for (const ContactCurve curve : {ContactCurve::hardens, ContactCurve::compression}) {
-        ContactParameters law = disc_law();
-        law.curve = curve;
+        ContactParameters contact_parameters = disc_parameters();
+        contact_parameters.curve = curve;
         DiscContact kernel(mesh, 0.007, some_tables(mesh));
         kernel.scale(Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.2, 0.3));
         const FreeSurface surface(mesh);
@@ -121,8 +121,8 @@ TEST_CASE("a disc's contact in the tick has the energy and forces of the contact
             const Eigen::Vector3d weight = some_weight(draw, 3);
             Eigen::Vector3d place = Eigen::Vector3d::Zero();
             for (int k = 0; k < 3; ++k) place += weight[k] * mesh.nodes.row(mesh.facets(facet, k)).transpose();
-            kernel.tool_at(facet, weight, 0, law, tool);
-            const ContactSpring spring(kernel.rows_at(place), law);
+            kernel.tool_at(facet, weight, 0, contact_parameters, tool);
+            const ContactSpring spring(kernel.rows_at(place), contact_parameters);
             const NodeColumns u = some_displacement(mesh, draw);
             const Point push = some_push(draw, 3);
             check_same(tool, spring, u, push);
@@ -143,10 +143,10 @@ TEST_CASE("a patch's contact in the tick has the energy and forces of the contac
         if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
         const Eigen::Vector3d weight = some_weight(draw, 2);
         const Point place = weight[0] * mesh.nodes.row(mesh.facets(facet, 0)).transpose() + weight[1] * mesh.nodes.row(mesh.facets(facet, 1)).transpose();
-        kernel.tool_at(facet, weight, 0, plane_law(), tool);
+        kernel.tool_at(facet, weight, 0, plane_parameters(), tool);
         const NodeColumns u = some_displacement(mesh, draw);
         const Point push = some_push(draw, 2);
-        check_same(tool, ContactSpring(kernel.rows_at(place), plane_law()), u, push);
+        check_same(tool, ContactSpring(kernel.rows_at(place), plane_parameters()), u, push);
         if (i < 20) check_derivatives(tool, u, push);
     }
 }
@@ -157,7 +157,7 @@ TEST_CASE("push_at returns the tool displacement that has the given force", "[to
     Draw draw(3);
     ToolSpring tool;
     for (int i = 0; i < 100; ++i) {
-        kernel.tool_at(draw.below(static_cast<int>(mesh.facets.rows())), some_weight(draw, 3), 0, disc_law(), tool);
+        kernel.tool_at(draw.below(static_cast<int>(mesh.facets.rows())), some_weight(draw, 3), 0, disc_parameters(), tool);
         const NodeColumns u = some_displacement(mesh, draw);
         // indented: there the coupling stiffens, and one displacement has the force
         const Point push = 5e-3 * (tool.inward() + 0.2 * Eigen::Vector3d(some_push(draw, 3) / 6e-3));
@@ -176,7 +176,7 @@ TEST_CASE("on a fixed facet the contact is a wall as stiff as the nearest free c
     for (int facet = 0; facet < mesh.facets.rows(); ++facet) {
         if (surface.free_of()[static_cast<std::size_t>(facet)] >= 0) continue;
         ++held;
-        kernel.tool_at(facet, {0.2, 0.3, 0.5}, 0, disc_law(), tool);
+        kernel.tool_at(facet, {0.2, 0.3, 0.5}, 0, disc_parameters(), tool);
         CHECK((tool.inward() - Eigen::Vector3d(0, 0, 1)).norm() < 1e-12);
         NodeColumns f = u;
         const Point hand = tool.put_on(Eigen::Vector3d(1e-3, 0, 2e-3), u, f);
@@ -189,7 +189,7 @@ TEST_CASE("on a fixed facet the contact is a wall as stiff as the nearest free c
         Point middle = Point::Zero(3);
         for (int node : mesh.facets.row(facet)) middle += mesh.nodes.row(node).transpose() / 3;
         const FreeSurface::Place place = surface.nearest(middle);
-        const ContactSpring contact(kernel.rows_at(place.point_m), disc_law());
+        const ContactSpring contact(kernel.rows_at(place.point_m), disc_parameters());
         const Eigen::Vector3d normal = contact.rows.push.row(0).transpose().normalized();
         CHECK(k == Approx(normal.dot(contact.rows.push.transpose() * contact.k_N_m.asDiagonal() * contact.rows.push * normal)).epsilon(1e-9));
     }
@@ -198,8 +198,8 @@ TEST_CASE("on a fixed facet the contact is a wall as stiff as the nearest free c
 
 TEST_CASE("a contact in the tick is made and evaluated without allocation", "[solid][embedded]") {
     for (const SpringMesh& mesh : {solid(6, 5, 3), embedded_lattice(dome(6), 0.011)}) for (const ContactCurve curve : {ContactCurve::hardens, ContactCurve::compression}) {
-        ContactParameters law = disc_law();
-        law.curve = curve;
+        ContactParameters contact_parameters = disc_parameters();
+        contact_parameters.curve = curve;
         const DiscContact kernel(mesh, 0.007, some_tables(mesh));
         const FreeSurface surface(mesh);
         ToolSpring tool;
@@ -209,7 +209,7 @@ TEST_CASE("a contact in the tick is made and evaluated without allocation", "[so
         double sum = 0;
         const Allocations counted;
         for (int facet = 0; facet < mesh.facets.rows(); ++facet) {
-            kernel.tool_at(facet, {0.2, 0.3, 0.5}, 0, law, tool);
+            kernel.tool_at(facet, {0.2, 0.3, 0.5}, 0, contact_parameters, tool);
             sum += tool.put_on(push, u, f).norm() + tool.push_at(push, u).norm() + tool.stiffness_N_m(push, u).norm() + tool.energy_J(push, u);
             sum += surface.walk(facet, {0.2, 0.3, 0.5}, push).walked_m;
         }
@@ -229,7 +229,7 @@ TEST_CASE("show_at_most limits the tool force; the limited energy stays convex a
         for (int i = 0; i < 200; ++i) {
             const int facet = draw.below(static_cast<int>(mesh.facets.rows()));
             if (surface.free_of()[static_cast<std::size_t>(facet)] < 0) continue;
-            kernel->tool_at(facet, some_weight(draw, dimension), 0, dimension == 2 ? plane_law() : disc_law(), tool);
+            kernel->tool_at(facet, some_weight(draw, dimension), 0, dimension == 2 ? plane_parameters() : disc_parameters(), tool);
             const NodeColumns u = 0.1 * some_displacement(mesh, draw);
             // the energy is convex there
             const auto some_inward = [&](double size_m) { return Point(size_m * (tool.inward() + some_push(draw, dimension) / 3e-2)); };

@@ -3,11 +3,11 @@
 
 #include "../mesh/embedded_block.h"
 #include "../refusal.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "../tolerances.h"
 #include "mesh/topology.h"
 #include "springs/contact_errors.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 #include "springs/indentation_solver.h"
 #include "springs/equilibrium_solver.h"
 
@@ -19,7 +19,7 @@ namespace {
 /// A homogeneous block of 240 x 80 x 40 mm in cubes of 10 mm, under discs of 7 mm.
 const TissueModel& block() {
     static const TissueModel model = [] {
-        TissueModel m = solid_law_example(embedded_block(Lattice{{24, 8, 4}, {0.24, 0.08, 0.04}}));
+        TissueModel m = solid_model_example(embedded_block(Lattice{{24, 8, 4}, {0.24, 0.08, 0.04}}));
         for (Eigen::Index e = 0; e < m.energy_model->constants.size(); ++e) m.energy_model->constants[e] /= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
         return m;
     }();
@@ -32,9 +32,9 @@ Point place(double x, double y) { return Eigen::Vector3d(x, y, 0.04); }
 struct Pressed {
     Pressed() : law(*block().energy_model), energy(block().mesh, law), kernel(make_contact_kernel(block().mesh, law)), solver(energy, *kernel) {}
     EquilibriumState at(const std::vector<ToolPush>& tools, const EquilibriumState* from = nullptr) {
-        std::vector<PressedTool> pressed;
+        std::vector<DisplacedTool> pressed;
         for (const ToolPush& tool : tools) pressed.push_back({ContactSpring(kernel->rows_at(tool.contact_m), law.patch), tool.push_m});
-        return solver.press(law.constants, pressed, from);
+        return solver.indent(law.constants, pressed, from);
     }
 
     EnergyModel law;
@@ -51,30 +51,30 @@ std::vector<ToolPush> two() {
 }  // namespace
 
 TEST_CASE("two distant tools have the forces of single tools and two near tools have smaller forces", "[solid][two_tools]") {
-    const IndentationSolver press(block());
+    const IndentationSolver solver(block());
     const Point down = Eigen::Vector3d(0, 0, -0.006), aside = Eigen::Vector3d(0.002, 0.001, -0.004);
     const ToolPush first{place(0.043, 0.041), down}, far{place(0.203, 0.038), aside}, near{place(0.061, 0.038), down};
-    const Eigen::VectorXd alone = press.at(first.contact_m, first.push_m).contact_force, far_alone = press.at(far.contact_m, far.push_m).contact_force;
-    const ToolsEquilibrium apart = press.at({first, far});
+    const Eigen::VectorXd alone = solver.at(first.contact_m, first.push_m).contact_force, far_alone = solver.at(far.contact_m, far.push_m).contact_force;
+    const ToolsEquilibrium apart = solver.at({first, far});
     REQUIRE(apart);
     constexpr double felt = 5e-3;  // effect of a tool four block heights away: measured 2e-3
     CHECK((apart.contact_force[0] - alone).norm() < felt * alone.norm());
     CHECK((apart.contact_force[1] - far_alone).norm() < felt * far_alone.norm());
-    const ToolsEquilibrium together = press.at({first, near});
+    const ToolsEquilibrium together = solver.at({first, near});
     REQUIRE(together);
     CHECK(together.contact_force[0].norm() < 0.97 * alone.norm());
-    CHECK(together.contact_force[1].norm() < 0.97 * press.at(near.contact_m, near.push_m).contact_force.norm());
+    CHECK(together.contact_force[1].norm() < 0.97 * solver.at(near.contact_m, near.push_m).contact_force.norm());
 }
 
 TEST_CASE("a list of one tool gives the single tool's result bit by bit; the order of two has no effect", "[solid][two_tools]") {
-    const IndentationSolver press(block());
+    const IndentationSolver solver(block());
     const std::vector<ToolPush> tools = two();
-    const Equilibrium one = press.at(tools[0].contact_m, tools[0].push_m);
-    const ToolsEquilibrium list = press.at({tools[0]});
+    const Equilibrium one = solver.at(tools[0].contact_m, tools[0].push_m);
+    const ToolsEquilibrium list = solver.at({tools[0]});
     CHECK(list.displacement == one.displacement);
     REQUIRE(list.contact_force.size() == 1);
     CHECK(list.contact_force[0] == one.contact_force);
-    const ToolsEquilibrium there = press.at(tools), back = press.at({tools[1], tools[0]});
+    const ToolsEquilibrium there = solver.at(tools), back = solver.at({tools[1], tools[0]});
     REQUIRE(there);
     for (std::size_t t : {0, 1}) CHECK((there.contact_force[t] - back.contact_force[1 - t]).norm() < tolerance::newton * there.contact_force[t].norm());
     CHECK((there.displacement - back.displacement).norm() < tolerance::newton * there.displacement.norm());
@@ -121,8 +121,8 @@ TEST_CASE("support forces balance the forces of both tools on the tissue", "[sol
 }
 
 TEST_CASE("two mirrored tools have mirrored forces", "[solid][two_tools]") {
-    const IndentationSolver press(block());
-    const ToolsEquilibrium rest = press.at({{place(0.108, 0.04), Eigen::Vector3d(1e-3, 0, -5e-3)}, {place(0.132, 0.04), Eigen::Vector3d(-1e-3, 0, -5e-3)}});
+    const IndentationSolver solver(block());
+    const ToolsEquilibrium rest = solver.at({{place(0.108, 0.04), Eigen::Vector3d(1e-3, 0, -5e-3)}, {place(0.132, 0.04), Eigen::Vector3d(-1e-3, 0, -5e-3)}});
     REQUIRE(rest);
     constexpr double mirrored = 1e-5;  // the 60 points of a contact are not mirror-symmetric: measured 1e-6
     const Eigen::Vector3d left = rest.contact_force[0], right = rest.contact_force[1];
@@ -142,15 +142,15 @@ TEST_CASE("two tools reach the same equilibrium from that of the first one as fr
 }
 
 TEST_CASE("tools closer than two radii and an empty list and derivatives with two tools are refused", "[solid][two_tools]") {
-    const IndentationSolver press(block());
+    const IndentationSolver solver(block());
     const Point down = Eigen::Vector3d(0, 0, -0.003);
     const ToolPush first{place(0.1, 0.04), down};
-    CHECK_THAT(refusal<OverlappingToolsError>([&] { press.at({first, {place(0.1139, 0.04), down}}); }), Contains("two discs are 13.9 mm apart, nearer than two radii of 7 mm"));
-    CHECK(press.at({first, {place(0.114, 0.04), down}}));
+    CHECK_THAT(refusal<OverlappingToolsError>([&] { solver.at({first, {place(0.1139, 0.04), down}}); }), Contains("two discs are 13.9 mm apart, nearer than two radii of 7 mm"));
+    CHECK(solver.at({first, {place(0.114, 0.04), down}}));
     const Point towards = Eigen::Vector3d(-0.002, 0, -0.003);
-    CHECK_THAT(refusal<OverlappingToolsError>([&] { press.at({first, {place(0.115, 0.04), towards}}); }), Contains("13 mm apart under the indentation"));
-    CHECK_THAT(refusal<OverlappingToolsError>([&] { press.at({first, {place(0.15, 0.04), down}, {place(0.155, 0.04), down}}); }), Contains("5 mm apart"));
-    CHECK_THAT(refusal<MismatchError>([&] { press.at(std::vector<ToolPush>{}); }), Contains("at least one tool"));
+    CHECK_THAT(refusal<OverlappingToolsError>([&] { solver.at({first, {place(0.115, 0.04), towards}}); }), Contains("13 mm apart under the indentation"));
+    CHECK_THAT(refusal<OverlappingToolsError>([&] { solver.at({first, {place(0.15, 0.04), down}, {place(0.155, 0.04), down}}); }), Contains("5 mm apart"));
+    CHECK_THAT(refusal<MismatchError>([&] { solver.at(std::vector<ToolPush>{}); }), Contains("at least one tool"));
 
     Pressed pressed;
     pressed.at(two());

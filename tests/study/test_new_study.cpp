@@ -121,7 +121,7 @@ TEST_CASE("a new study in the plane or in space is valid and its sizes scale wit
     NewStudy wanted;
     wanted.preset = "jelly";
     wanted.trust_geo = true;
-    wanted.held = {"bed"};
+    wanted.fixed = {"bed"};
     wanted.unit_m = 0.001;
     for (const double factor : {0.5, 1.0, 4.0}) {
         wanted.unit_m = 0.001 * factor;
@@ -130,7 +130,7 @@ TEST_CASE("a new study in the plane or in space is valid and its sizes scale wit
         const WrittenStudy plane = new_study(wanted);
         const Study study = read_study(folder.file("studies/plane.toml", plane.toml));
         CHECK(study.springs.is_energy_model());
-        CHECK(study.geometry.fixed == wanted.held);
+        CHECK(study.geometry.fixed == wanted.fixed);
         CHECK(study.spring_size_m > 0.05 * factor * 0.06);
         CHECK(study.spring_size_m <= factor * 0.06 / 8);
         CHECK(study.loads.depth_m() <= factor * 0.0405 / 10 * 1.001);
@@ -155,11 +155,11 @@ TEST_CASE("a new study in the plane or in space is valid and its sizes scale wit
     CHECK(of_mesh().springs.spacing_m > 0.001);
     wanted.size_m = 0.0123;
     CHECK(of_mesh().springs.spacing_m == 0.0123);
-    wanted.held = {"below z = 0.01"};
+    wanted.fixed = {"below z = 0.01"};
     CHECK(of_mesh().geometry.fixed == std::vector<std::string>{"below_z_0.01"});
     wanted.bed_Pa_m = 2e5;
     CHECK(of_mesh().geometry.bed_Pa_m == std::vector<double>{2e5});
-    wanted.held = {"below z"};
+    wanted.fixed = {"below z"};
     CHECK_THAT(refusal<MismatchError>([&] { new_study(wanted); }), Contains("'below z' begins like a region"));
 }
 
@@ -171,9 +171,9 @@ TEST_CASE("a new study without valid fixed parts or with an implausible unit or 
     wanted.unit_m = 0.001;
     const auto said = [&] { return refusal<MismatchError>([&] { new_study(wanted); }); };
     CHECK_THAT(said(), Contains("a.geo: --held must name the curves that are fixed; its names: bed, wall"));
-    wanted.held = {"bad"};
+    wanted.fixed = {"bad"};
     CHECK_THAT(said(), Contains("has no curve 'bad' to fix; its names: bed, wall"));
-    wanted.held = {"bed"};
+    wanted.fixed = {"bed"};
     wanted.bed_Pa_m = 2e5;
     CHECK_THAT(said(), Contains("a.geo: --bed needs a tissue in space"));
     wanted.bed_Pa_m = 0;
@@ -194,7 +194,7 @@ TEST_CASE("a new study without valid fixed parts or with an implausible unit or 
     wanted.shape = folder.file("b.geo", std::string("SetFactory(\"OpenCASCADE\");\n") + outline);
     wanted.size_m.reset();
     wanted.shape = folder.file("c.stl", ascii_stl("", ""));
-    wanted.held = {};
+    wanted.fixed = {};
     CHECK_THAT(said(), Contains("surface-1 (the largest)"));
     wanted.shape = folder.file("d.stl", binary_stl(1));
     CHECK_THAT(said(), Contains("d.stl: cannot be filled: 1 hole, perimeter 14 mm; at (0.666667, 1, 1.66667)") && Contains("--repair OUT.stl"));

@@ -54,13 +54,13 @@ TEST_CASE("springs of a solid follow the material's curve or Hooke's law; second
     CHECK(example_study(with_curve("hooke")).springs.hookean);
     CHECK(example_study().springs.hookean);
     CHECK_THAT(said("stiffness = \"law\"", "stiffness = \"law\"\ncurve = \"ogden\"", "springs.curve"), Contains("allowed: material, hooke"));
-    Study::LawParameters mooney_rivlin{263, 491, {}, {}};
+    Study::MaterialParameters mooney_rivlin{263, 491, {}, {}};
     CHECK(mooney_rivlin.second_share() == Approx(491.0 / 754));
     // Ogden's law with alpha 2 and -2 is the Mooney-Rivlin law: 2 mu_1 = 4 C1 and -2 mu_2 = 4 C2
-    CHECK(Study::LawParameters{0, 0, {2 * 263, -2 * 491}, {2, -2}}.second_share() == Approx(491.0 / 754));
+    CHECK(Study::MaterialParameters{0, 0, {2 * 263, -2 * 491}, {2, -2}}.second_share() == Approx(491.0 / 754));
     // stiffer in tension than any Mooney-Rivlin solid
-    CHECK(Study::LawParameters{0, 0, {100}, {14}}.second_share() == 0);
-    CHECK(Study::LawParameters{0, 0, {-100}, {-8}}.second_share() == 1);
+    CHECK(Study::MaterialParameters{0, 0, {100}, {14}}.second_share() == 0);
+    CHECK(Study::MaterialParameters{0, 0, {-100}, {-8}}.second_share() == 1);
 }
 
 TEST_CASE("directions in a solid are tilted from the inward normal towards an azimuth and exact along axes") {

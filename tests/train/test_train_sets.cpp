@@ -142,16 +142,16 @@ TEST_CASE("an optimiser named twice trains once and the main optimiser of the st
 
 TEST_CASE("training progress counts every set once up to the total") {
     const Study study = example_study();
-    std::vector<int> seen;
+    std::vector<int> compared;
     int last_total = 0;
     train_sets(study, cases_of(study), 3, [&](int done, int total, const std::string& set) {
         CHECK_FALSE(set.empty());
-        seen.push_back(done);
+        compared.push_back(done);
         last_total = total;
     });
     REQUIRE(last_total > 0);
-    REQUIRE(static_cast<int>(seen.size()) == last_total);
-    for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i] == static_cast<int>(i) + 1);
+    REQUIRE(static_cast<int>(compared.size()) == last_total);
+    for (std::size_t i = 0; i < compared.size(); ++i) CHECK(compared[i] == static_cast<int>(i) + 1);
 }
 
 TEST_CASE("cases of another lattice are refused with study and lattice") {

@@ -267,7 +267,7 @@ py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pu
     std::vector<ContactAnswer> answers(static_cast<std::size_t>(n));
     {
         const py::gil_scoped_release others_may;
-        std::optional<IndentationSolver> law;
+        std::optional<IndentationSolver> solver;
         std::optional<SetGrid> sets;
         std::unique_ptr<SpringLaw> springs;
         std::optional<BallIndentation> ball;
@@ -275,7 +275,7 @@ py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pu
         if (ball_m)
             ball.emplace(model.mesh, *model.energy_model, *ball_m);
         else if (model.energy_model)
-            law.emplace(model);
+            solver.emplace(model);
         else
             sets.emplace(model), springs = make_spring_law(model.law);
         Signals signals;
@@ -291,8 +291,8 @@ py::tuple press(const TissueModel& model, const Rows& contacts_m, const Rows& pu
             if (std::this_thread::get_id() == caller) signals.heed();
             const Point contact = contacts_m.row(k), push = pushes_m.row(k);
             ContactAnswer& answer = answers[static_cast<std::size_t>(k)];
-            if (ball || law) {
-                answer = ball ? answer_of(*ball, contact, push) : answer_of(*law, contact, push);
+            if (ball || solver) {
+                answer = ball ? answer_of(*ball, contact, push) : answer_of(*solver, contact, push);
                 return;
             }
             if (push.norm() == 0) {
@@ -377,9 +377,9 @@ py::dict read_study(const File& folder) {
     return study;
 }
 
-py::dict learn(TargetAdaptation& patient, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m, const Eigen::VectorXd& force_N) {
+py::dict learn(TargetAdaptation& target, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m, const Eigen::VectorXd& force_N) {
     const UpdateResult answer =
-        alone(patient, [&] { return patient.adaptation->learn({patient.point(contact_m, "contact_m"), patient.point(push_m, "push_m"), patient.point(force_N, "force_N")}); });
+        alone(target, [&] { return target.adaptation->learn({target.point(contact_m, "contact_m"), target.point(push_m, "push_m"), target.point(force_N, "force_N")}); });
     py::dict said;
     said["status"] = to_string(answer.status);
     said["why"] = answer.why;
@@ -393,21 +393,21 @@ py::dict learn(TargetAdaptation& patient, const Eigen::VectorXd& contact_m, cons
     return said;
 }
 
-py::tuple expect(TargetAdaptation& patient, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m) {
+py::tuple expect(TargetAdaptation& target, const Eigen::VectorXd& contact_m, const Eigen::VectorXd& push_m) {
     Eigen::MatrixXd covariance;
-    const Expected expected = alone(patient, [&] {
-        Expected there = patient.adaptation->expect(patient.point(contact_m, "contact_m"), patient.point(push_m, "push_m"));
-        covariance = patient.adaptation->covariance(there);
+    const Expected expected = alone(target, [&] {
+        Expected there = target.adaptation->expect(target.point(contact_m, "contact_m"), target.point(push_m, "push_m"));
+        covariance = target.adaptation->covariance(there);
         return there;
     });
     return py::make_tuple(Eigen::VectorXd(expected.force_N), std::sqrt(covariance.trace() / static_cast<double>(covariance.rows())), to_string(expected.status));
 }
 
-py::list next(TargetAdaptation& patient, double depth_m, std::size_t count) {
+py::list next(TargetAdaptation& target, double depth_m, std::size_t count) {
     std::vector<Push> pushes;
     Signals signals;
-    const std::vector<MeasurementGain> worth = alone(patient, [&] {
-        Adaptation& a = *patient.adaptation;
+    const std::vector<MeasurementGain> worth = alone(target, [&] {
+        Adaptation& a = *target.adaptation;
         pushes = pushes_over(a.surface(), a.base().mesh, depth_m, a.surface().spacing_m());
         return rank_measurements(a, pushes, pushes, [&] { signals.heed(); });
     });
@@ -541,7 +541,7 @@ ticks() between two ticks, press() between two contacts and next() between two i
         .def_property_readonly("seen_m", [](Session& s) {
                  return alone(s, [&] {
                      NodeColumns seen;
-                     s.simulation.seen(0, seen);
+                     s.simulation.displayed(0, seen);
                      return NodeField(seen);
                  });
              }, "present displacement of the nodes as drawn and compared with FE [m] (N, D): in space, beside the tool, that of the skin (lib/springs/skin.h)")
@@ -553,7 +553,7 @@ ticks() between two ticks, press() between two contacts and next() between two i
                      const NamedSurfaces::Surface* of = s.surfaces.find(name);
                      if (!of) throw MismatchError("there is no surface '" + name + "'");
                      NodeColumns seen;
-                     s.simulation.seen(0, seen);
+                     s.simulation.displayed(0, seen);
                      Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> places(of->rest_m.rows(), 3);
                      of->places(seen, places.data());
                      return std::pair(places, of->triangles);
@@ -574,10 +574,10 @@ ticks() between two ticks, press() between two contacts and next() between two i
                  options.model_error = model_error;
                  options.place_error_m = place_error_m;
                  options.rival = rival;
-                 auto patient = std::make_unique<TargetAdaptation>();
+                 auto target = std::make_unique<TargetAdaptation>();
                  const py::gil_scoped_release others_may;
-                 patient->adaptation = read_adaptation(file.string(), options);
-                 return patient;
+                 target->adaptation = read_adaptation(file.string(), options);
+                 return target;
              }),
              py::arg("model_file"), py::arg("unknowns") = "field", py::arg("force_noise") = 0.02, py::arg("model_error") = 0.03, py::arg("place_error_m") = 0.0,
              py::arg("rival") = true, "An adapted file is adapted further, with the options stored in it.")

@@ -10,7 +10,7 @@
 #include "error.h"
 #include "springs/energy_model_terms.h"
 #include "springs/energy_model_at_radius.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 #include "springs/indentation_solver.h"
 #include "springs/equilibrium_solver.h"
 
@@ -24,10 +24,10 @@ constexpr double ball_m = 0.010;
 
 /// Energy [J] of the equilibrium under a ball's contact of radius radius_m at tool displacement push_m.
 double energy_J(const TissueModel& model, double radius_m, const Point& push_m) {
-    const EnergyModel law = law_of_ball(*model.energy_model, ball_m, radius_m);
-    const TissueEnergy tissue(model.mesh, law);
-    const auto kernel = make_contact_kernel(model.mesh, law);
-    return EquilibriumSolver(tissue, *kernel).press(law.constants, ContactSpring(kernel->rows_at(place), law.patch), push_m).energy_J;
+    const EnergyModel energy_model = energy_model_of_ball(*model.energy_model, ball_m, radius_m);
+    const TissueEnergy tissue(model.mesh, energy_model);
+    const auto kernel = make_contact_kernel(model.mesh, energy_model);
+    return EquilibriumSolver(tissue, *kernel).indent(energy_model.constants, ContactSpring(kernel->rows_at(place), energy_model.patch), push_m).energy_J;
 }
 
 }  // namespace
@@ -72,9 +72,9 @@ TEST_CASE("a ball's normal force is the derivative of its energy; its tangential
 TEST_CASE("on stiff tissue a bound contact is about 15/8 as stiff along the surface as a disc's", "[solid]") {
     TissueModel model = several_discs();
     model.energy_model->constants *= 1e4;
-    const EnergyModel disc = law_of_contact(*model.energy_model, 0.007), ball = law_of_ball(*model.energy_model, ball_m, 0.007);
-    const auto stiffness = [&](const EnergyModel& law, const Eigen::Vector3d& way) {
-        return IndentationSolver(model.mesh, law).at(place, 1e-6 * way).contact_force.norm() / 1e-6;
+    const EnergyModel disc = energy_model_of_contact(*model.energy_model, 0.007), ball = energy_model_of_ball(*model.energy_model, ball_m, 0.007);
+    const auto stiffness = [&](const EnergyModel& energy_model, const Eigen::Vector3d& way) {
+        return IndentationSolver(model.mesh, energy_model).at(place, 1e-6 * way).contact_force.norm() / 1e-6;
     };
     const double along = stiffness(ball, Eigen::Vector3d::UnitX()) / stiffness(disc, Eigen::Vector3d::UnitX());
     CHECK(along > 1.7);  // 1.71 for the imprint's rows, whose profile does not taper
@@ -102,6 +102,6 @@ TEST_CASE("a ball is refused if its contact exceeds the largest disc or it is ha
     const BallIndentation large(model.mesh, *model.energy_model, 0.02);
     CHECK_THAT(refusal<ContactTooLargeError>([&] { large.at(place, 0.006 * inward); }), Contains("a ball of 20 mm displaced by 6 mm") && Contains("largest disc of the training has 10 mm"));
     CHECK_THAT(refusal<MismatchError>([&] { BallIndentation(model.mesh, *model.energy_model, 0); }), Contains("must be > 0"));
-    CHECK_THAT(refusal<MismatchError>([&] { BallIndentation(model.mesh, *solid_law_example(model.mesh).energy_model, ball_m); }), Contains("not only of 7 mm"));
+    CHECK_THAT(refusal<MismatchError>([&] { BallIndentation(model.mesh, *solid_model_example(model.mesh).energy_model, ball_m); }), Contains("not only of 7 mm"));
     CHECK_THROWS_AS(BallIndentation(model.mesh, *model.energy_model, std::nan("")), MismatchError);
 }

@@ -34,23 +34,23 @@ constexpr double a_little = 1 + 1e-9;  // factor for the rounding of a step leng
 
 std::string said(const std::string& text) {
     const TemporaryFolder folder;
-    return refusal<FileError>([&] { read_course(folder.file("hand.csv", text), 2); });
+    return refusal<FileError>([&] { read_trajectory(folder.file("hand.csv", text), 2); });
 }
 
 Trajectory read(const std::string& text) {
     const TemporaryFolder folder;
-    return read_course(folder.file("hand.csv", text), 2);
+    return read_trajectory(folder.file("hand.csv", text), 2);
 }
 
 }  // namespace
 
 TEST_CASE("a displacement history file may have a byte order mark and comments and quotes and semicolons", "[histories]") {
     const std::string plain = "time_s,x_m,y_m\n0,0,0\n0.1,0,-0.003\n0.2,0,-0.004\n";
-    const Trajectory course = read(plain);
+    const Trajectory trajectory = read(plain);
     for (const std::string& text : {std::string("\xef\xbb\xbf") + plain, std::string("# by hand\n\"time_s\"; x_m ;y_m\r\n0;0;0\r\n\r\n0.1;0; -0.003 \r\n0.2;+0;-0.004\r\n\r\n")}) {
         const Trajectory other = read(text);
-        CHECK(other.time_s == course.time_s);
-        CHECK(other.push_m == course.push_m);
+        CHECK(other.time_s == trajectory.time_s);
+        CHECK(other.push_m == trajectory.push_m);
     }
     CHECK_THAT(said("time_s,x_m\n0,0\n"), Contains("hand.csv:1: must begin with the header time_s,x_m,y_m"));
 }
@@ -111,52 +111,52 @@ TEST_CASE("ramps and holds follow each other without gaps and displacement is ze
     maker.touch(2);
     maker.stroke(Eigen::Vector2d(0, -0.005), 0.1);
     maker.hold(0.05);
-    const Trajectory course = maker.course();
-    const Eigen::Index T = course.time_s.size();
-    REQUIRE(course.push_m.rows() == T);
-    REQUIRE(course.contact.size() == static_cast<std::size_t>(T));
-    CHECK(course.time_s[0] == 0);
-    CHECK(course.push_m.row(0).norm() == 0);
-    CHECK(course.time_s[T - 1] == Approx(0.55).epsilon(tolerance::rounding));
-    CHECK(course.depth_m() == Approx(0.005).epsilon(tolerance::rounding));
+    const Trajectory trajectory = maker.trajectory();
+    const Eigen::Index T = trajectory.time_s.size();
+    REQUIRE(trajectory.push_m.rows() == T);
+    REQUIRE(trajectory.contact.size() == static_cast<std::size_t>(T));
+    CHECK(trajectory.time_s[0] == 0);
+    CHECK(trajectory.push_m.row(0).norm() == 0);
+    CHECK(trajectory.time_s[T - 1] == Approx(0.55).epsilon(tolerance::rounding));
+    CHECK(trajectory.depth_m() == Approx(0.005).epsilon(tolerance::rounding));
     double first_away = 0;
     for (Eigen::Index t = 1; t < T; ++t) {
-        const double at = course.time_s[t], step = at - course.time_s[t - 1];
-        const int contact = course.contact[static_cast<std::size_t>(t)];
+        const double at = trajectory.time_s[t], step = at - trajectory.time_s[t - 1];
+        const int contact = trajectory.contact[static_cast<std::size_t>(t)];
         INFO(at);
         CHECK(step > 0);
         CHECK(contact == (at < 0.3 + 1e-9 ? 1 : at < 0.4 + 1e-9 ? 0 : 2));
-        if (contact == 0) CHECK(course.push_m.row(t).norm() == 0);
+        if (contact == 0) CHECK(trajectory.push_m.row(t).norm() == 0);
         if (contact == 0 && first_away == 0) first_away = step;
-        if (contact == 1 && at > 0.1 - 1e-9) CHECK(course.push_m.row(t).transpose() == deep);
-        if (contact == 2) CHECK(course.push_m(t, 0) == 0);
+        if (contact == 1 && at > 0.1 - 1e-9) CHECK(trajectory.push_m.row(t).transpose() == deep);
+        if (contact == 2) CHECK(trajectory.push_m(t, 0) == 0);
     }
     CHECK(first_away <= 0.002 * a_little);
-    CHECK(course.push_m(T - 1, 1) == -0.005);
+    CHECK(trajectory.push_m(T - 1, 1) == -0.005);
 }
 
 TEST_CASE("a sine moves from rest to its depth and back once a period", "[histories]") {
     TrajectoryBuilder maker(2);
     maker.sine(Eigen::Vector2d(0, -0.004), 2, 1);
-    const Trajectory course = maker.course();
-    for (Eigen::Index t = 0; t < course.time_s.size(); ++t) {
-        const double part = (1 - std::cos(4 * 3.14159265358979323846 * course.time_s[t])) / 2;
-        CHECK(course.push_m(t, 1) == Approx(-0.004 * part).margin(tolerance::rounding));
+    const Trajectory trajectory = maker.trajectory();
+    for (Eigen::Index t = 0; t < trajectory.time_s.size(); ++t) {
+        const double part = (1 - std::cos(4 * 3.14159265358979323846 * trajectory.time_s[t])) / 2;
+        CHECK(trajectory.push_m(t, 1) == Approx(-0.004 * part).margin(tolerance::rounding));
     }
-    CHECK(course.depth_m() == Approx(0.004).epsilon(tolerance::rounding));
+    CHECK(trajectory.depth_m() == Approx(0.004).epsilon(tolerance::rounding));
 }
 
 TEST_CASE("a displacement history file is linear between its rows and steps are at most 10 ms", "[histories]") {
-    const Trajectory course = read("time_s,x_m,y_m\n0,0,0\n0.0004,0,-0.0001\n0.0042,0,-0.001\n0.0342,0.003,-0.001\n0.0344,0.003,-0.001\n");
-    const Eigen::Index T = course.time_s.size();
-    CHECK(course.time_s[0] == 0);
-    CHECK(course.time_s[1] == 0.0042);  // a row within 2 ms of the last one used is left out
-    CHECK(course.time_s[T - 1] == 0.0344);  // the last row is always used
+    const Trajectory trajectory = read("time_s,x_m,y_m\n0,0,0\n0.0004,0,-0.0001\n0.0042,0,-0.001\n0.0342,0.003,-0.001\n0.0344,0.003,-0.001\n");
+    const Eigen::Index T = trajectory.time_s.size();
+    CHECK(trajectory.time_s[0] == 0);
+    CHECK(trajectory.time_s[1] == 0.0042);  // a row within 2 ms of the last one used is left out
+    CHECK(trajectory.time_s[T - 1] == 0.0344);  // the last row is always used
     CHECK(T == 6);
-    CHECK(course.time_s[2] == Approx(0.0142).epsilon(tolerance::rounding));
-    CHECK(course.push_m(2, 0) == Approx(0.001).epsilon(tolerance::rounding));
-    CHECK(course.push_m(2, 1) == Approx(-0.001).epsilon(tolerance::rounding));
-    CHECK(course.contact == std::vector<int>(6, 1));
+    CHECK(trajectory.time_s[2] == Approx(0.0142).epsilon(tolerance::rounding));
+    CHECK(trajectory.push_m(2, 0) == Approx(0.001).epsilon(tolerance::rounding));
+    CHECK(trajectory.push_m(2, 1) == Approx(-0.001).epsilon(tolerance::rounding));
+    CHECK(trajectory.contact == std::vector<int>(6, 1));
 }
 
 TEST_CASE("an invalid displacement history file is refused with its line and cause", "[histories]") {
@@ -176,19 +176,19 @@ TEST_CASE("the text of a displacement history has one line per step and gives th
     TrajectoryBuilder maker(3);
     maker.stroke(Eigen::Vector3d(0.001, 1.0 / 3e3, -0.004), 1.0 / 7);
     maker.away(0.01);
-    const Trajectory course = maker.course();
-    std::istringstream text(trajectory_text(course));
+    const Trajectory trajectory = maker.trajectory();
+    std::istringstream text(trajectory_text(trajectory));
     std::string line;
-    for (Eigen::Index t = 0; t < course.time_s.size(); ++t) {
+    for (Eigen::Index t = 0; t < trajectory.time_s.size(); ++t) {
         REQUIRE(std::getline(text, line));
         std::istringstream words(line);
         double time = 0, x = 0, y = 0, z = 0;
         int wanted = -1, contact = -1;
         words >> time >> x >> y >> z >> wanted >> contact;
-        CHECK(time == course.time_s[t]);
-        CHECK(Eigen::RowVector3d(x, y, z) == Eigen::RowVector3d(course.push_m.row(t)));
+        CHECK(time == trajectory.time_s[t]);
+        CHECK(Eigen::RowVector3d(x, y, z) == Eigen::RowVector3d(trajectory.push_m.row(t)));
         CHECK(wanted == 0);
-        CHECK(contact == course.contact[static_cast<std::size_t>(t)]);
+        CHECK(contact == trajectory.contact[static_cast<std::size_t>(t)]);
         CHECK_FALSE(words >> time);
     }
     CHECK_FALSE(std::getline(text, line));

@@ -19,7 +19,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-EnergyModelTerms law_on(const SpringMesh& mesh, const std::vector<std::string>& terms) {
+EnergyModelTerms energy_model_on(const SpringMesh& mesh, const std::vector<std::string>& terms) {
     return {mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), 4524), Eigen::VectorXd::Constant(cell_count(mesh), 4524), 4524, 12, 0.007), terms};
 }
 
@@ -28,12 +28,12 @@ EnergyModelTerms law_on(const SpringMesh& mesh, const std::vector<std::string>& 
 TEST_CASE("springs of a cut lattice have shear modulus E/3 and its cells 0.95 of their cap as bulk modulus", "[solid_shape]") {
     const SpringMesh mesh = embedded_lattice(dome(12), 0.011);
     const Eigen::Index S = mesh.spring_count(), C = cell_count(mesh);
-    const EnergyModelTerms law = law_on(mesh, {"spring.all"});
-    Eigen::VectorXd constants = law.constants(Eigen::VectorXd::Zero(1)), springs = constants, cells = constants;
+    const EnergyModelTerms model_terms = energy_model_on(mesh, {"spring.all"});
+    Eigen::VectorXd constants = model_terms.constants(Eigen::VectorXd::Zero(1)), springs = constants, cells = constants;
     springs.tail(C + mesh.support_count()).setZero();
     cells.head(S).setZero();
     cells.tail(mesh.support_count()).setZero();
-    const TissueEnergy energy = law.energy(mesh);
+    const TissueEnergy energy = model_terms.energy(mesh);
     CHECK(energy.constant_count() == S + C + mesh.support_count());
     const double e = 1e-5, V = mesh.embedding.fraction.sum() * std::pow(0.011, 3);
     for (int a = 0; a < 3; ++a) {
@@ -56,11 +56,11 @@ TEST_CASE("location terms are accepted on an embedded solid except wall and surf
     const SpringMesh mesh = embedded_lattice(dome(6), 0.011);
     for (const char* term : {"spring.all", "cell.all", "spring.layer", "cell.layer", "spring.along",
                              "spring.across.layer", "spring.upright", "spring.top", "cell.bottom", "spring.z", "cell.z2", "spring.x2", "spring.face", "spring.body", "spring.vertical", "contact.normal.curved", "support.all"})
-        CHECK_NOTHROW(law_on(mesh, {term}));
+        CHECK_NOTHROW(energy_model_on(mesh, {term}));
     // lattice nodes are neither on the surface nor fixed
     for (const char* term : {"spring.wall", "cell.wall", "spring.surface", "cell.surface", "spring.held"})
-        CHECK_THROWS_WITH(law_on(mesh, {term}), Contains("is not possible here; allowed: all, layer, top, bottom, nodule, x2"));
-    CHECK_THROWS_WITH(law_on(mesh, {"contact.normal.phase"}), Contains("optionally followed by one of .curved, .ground, .edge"));
+        CHECK_THROWS_WITH(energy_model_on(mesh, {term}), Contains("is not possible here; allowed: all, layer, top, bottom, nodule, x2"));
+    CHECK_THROWS_WITH(energy_model_on(mesh, {"contact.normal.phase"}), Contains("optionally followed by one of .curved, .ground, .edge"));
 }
 
 /// A slab of 80 x 80 x 20 mm in boxes of 10 mm, with its nodes moved by `move`, in a lattice of 10 mm.
@@ -89,7 +89,7 @@ TEST_CASE("a disc's curvature factor is R / radius on a cap, negative in a valle
 
 TEST_CASE("a softening contact falls to half its stiffness; softening terms exclude hardening terms", "[solid_shape]") {
     const SpringMesh mesh = embedded_lattice(dome(6), 0.011);
-    const EnergyModelTerms law = law_on(mesh, {"contact.softening"});
+    const EnergyModelTerms model_terms = energy_model_on(mesh, {"contact.softening"});
     const ContactRows rows = DiscContact(mesh, 0.007).rows_at(Eigen::Vector3d(0, 0, 0.05));
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * rows.nodes.size());
     ContactRows mean = rows;  // without the imprint, which does not soften
@@ -98,7 +98,7 @@ TEST_CASE("a softening contact falls to half its stiffness; softening terms excl
     mean.share.conservativeResize(3);
     mean.parameter_row.resize(3);
     const auto stiffness = [&](double depth_m, double coefficient) {
-        ContactSpring spring(mean, law.patch(Eigen::VectorXd::Constant(1, coefficient)));
+        ContactSpring spring(mean, model_terms.patch(Eigen::VectorXd::Constant(1, coefficient)));
         spring.coupling_N_m2 = 0;
         return spring.load(rows.push.row(0).transpose() * depth_m, rest).tool_force_N.norm() / depth_m;
     };
@@ -110,25 +110,25 @@ TEST_CASE("a softening contact falls to half its stiffness; softening terms excl
     CHECK(stiffness(5e-3, 0) == Approx(k * (1 + v * s + v * v * s * s / 2) / std::pow(1 + v * s, 2)).epsilon(1e-9));
     CHECK(stiffness(5e-3, 1) < stiffness(5e-3, 0));
     for (const char* term : {"contact.hardening", "contact.saturation", "contact.hardening.curved"}) {
-        CHECK_THROWS_WITH(law_on(mesh, {"contact.softening", term}), Contains("use `hardening` with `saturation`, or `softening`"));
-        CHECK_THROWS_WITH(law_on(mesh, {term, "contact.softening.curved"}), Contains("use `hardening` with `saturation`, or `softening`"));
+        CHECK_THROWS_WITH(energy_model_on(mesh, {"contact.softening", term}), Contains("use `hardening` with `saturation`, or `softening`"));
+        CHECK_THROWS_WITH(energy_model_on(mesh, {term, "contact.softening.curved"}), Contains("use `hardening` with `saturation`, or `softening`"));
     }
 }
 
 TEST_CASE("implicit derivatives of an indented dome agree with finite differences", "[solid_shape][long]") {
     const SpringMesh mesh = embedded_lattice(dome(8), 0.011);
-    const EnergyModelTerms law = law_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.imprint_normal", "contact.softening", "contact.normal.curved",
+    const EnergyModelTerms model_terms = energy_model_on(mesh, {"spring.all", "cell.layer", "spring.along.layer", "contact.normal", "contact.imprint_normal", "contact.softening", "contact.normal.curved",
                                        "contact.tangent.curved", "contact.softening.curved", "support.all"});
-    const TissueEnergy energy = law.energy(mesh);
+    const TissueEnergy energy = model_terms.energy(mesh);
     const DiscContact kernel(mesh, 0.007, {{}, {-9, 9}, {NodeField::Constant(mesh.facets.rows(), 3, 0.4)}});
     EquilibriumSolver solver(energy, kernel);
-    const Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(law.size(), -0.2, 0.2);
+    const Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(model_terms.size(), -0.2, 0.2);
     const Eigen::Vector3d at = FreeSurface(mesh).nearest(Eigen::Vector3d(0.02, 0.013, 0.05)).point_m, push(-2e-3, 1e-3, -3e-3);
-    const auto pressed = [&](const Eigen::VectorXd& q) { return solver.press(law.constants(q), ContactSpring(kernel.rows_at(at), law.patch(q)), push); };
+    const auto pressed = [&](const Eigen::VectorXd& q) { return solver.indent(model_terms.constants(q), ContactSpring(kernel.rows_at(at), model_terms.patch(q)), push); };
     const EquilibriumState state = pressed(p);
     REQUIRE(state.status == SolverStatus::converged);
     CHECK(state.contact_force_N.dot(push) > 0);
-    const EquilibriumDerivative by = solver.derivative(law.constants_by(p), law.stiffness_by(p, kernel.rows_at(at).factors, kernel.rows_at(at).log_scale));
+    const EquilibriumDerivative by = solver.derivative(model_terms.constants_by(p), model_terms.stiffness_by(p, kernel.rows_at(at).factors, kernel.rows_at(at).log_scale));
     for (Eigen::Index t = 0; t < p.size(); ++t) {
         Eigen::VectorXd low = p, high = p;
         low[t] -= 1e-4;
@@ -142,18 +142,18 @@ TEST_CASE("implicit derivatives of an indented dome agree with finite difference
 
 TEST_CASE("supports hold an embedded solid without cells; two blocks far apart make no connected lattice", "[embedded]") {
     const SpringMesh mesh = embedded_lattice(dome(8), 0.011);
-    const EnergyModelTerms law = law_on(mesh, {"spring.all"});
-    const Eigen::VectorXd untrained = law.constants(Eigen::VectorXd::Zero(1)), uniform = springs_alone(mesh, untrained, uniform_stiffness(mesh, 5));
+    const EnergyModelTerms model_terms = energy_model_on(mesh, {"spring.all"});
+    const Eigen::VectorXd untrained = model_terms.constants(Eigen::VectorXd::Zero(1)), uniform = springs_alone(mesh, untrained, uniform_stiffness(mesh, 5));
     CHECK(uniform.head(mesh.spring_count()).maxCoeff() == 5);
     CHECK(uniform.head(mesh.spring_count()).minCoeff() == 2.5);  // diagonals
     CHECK(uniform.segment(mesh.spring_count(), cell_count(mesh)).isZero(0));
     REQUIRE(mesh.support_count() > 10);
     CHECK(uniform.tail(mesh.support_count()) == untrained.tail(mesh.support_count()));
-    const TissueEnergy energy = law.energy(mesh);
+    const TissueEnergy energy = model_terms.energy(mesh);
     const DiscContact kernel(mesh, 0.007);
     EquilibriumSolver solver(energy, kernel);
     const Point top = FreeSurface(mesh).nearest(Eigen::Vector3d(0, 0, 0.05)).point_m;
-    const EquilibriumState state = solver.press(uniform, ContactSpring(kernel.rows_at(top), law.patch(Eigen::VectorXd::Zero(1))), Eigen::Vector3d(0, 0, -0.004));
+    const EquilibriumState state = solver.indent(uniform, ContactSpring(kernel.rows_at(top), model_terms.patch(Eigen::VectorXd::Zero(1))), Eigen::Vector3d(0, 0, -0.004));
     REQUIRE(state.status == SolverStatus::converged);
     for (int node : mesh.fixed) CHECK(state.displacement.row(node).norm() < 1e-4);
 

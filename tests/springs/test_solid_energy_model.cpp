@@ -38,7 +38,7 @@ NodeField nodule() {
     return points;
 }
 
-EnergyModelTerms law_on(const SpringMesh& mesh, const std::vector<std::string>& terms) {
+EnergyModelTerms energy_model_on(const SpringMesh& mesh, const std::vector<std::string>& terms) {
     const Eigen::VectorXd E = Eigen::VectorXd::Constant(mesh.spring_count(), 4524), cells = Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), 4524);
     EnergyModelHeuristic heuristic = solid_heuristic(mesh, E, cells, 4524, 12, 0.007);
     heuristic.ground = nodule();
@@ -115,10 +115,10 @@ TEST_CASE("forces of a hardening contact are derivatives of its energy; its tang
     std::vector<std::string> terms = some_terms;
     for (std::string& term : terms)
         if (term.find("hardening") != std::string::npos) term.replace(term.find("hardening"), 9, curve);
-    const EnergyModelTerms law = law_on(mesh, terms);
-    Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(law.size(), -0.4, 0.5);
+    const EnergyModelTerms model_terms = energy_model_on(mesh, terms);
+    Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(model_terms.size(), -0.4, 0.5);
     const ContactRows rows = DiscContact(mesh, 0.007, {nodule()}).rows_at(Eigen::Vector3d(0.0312, 0.0277, 0.02));
-    const ContactSpring spring(rows, law.patch(p));
+    const ContactSpring spring(rows, model_terms.patch(p));
     const Eigen::Vector3d push(1e-3, -2e-3, -depth_m);
     const Eigen::VectorXd u = spring.gather(crooked(mesh, 1e-3));
     const ContactSpring::Load load = spring.load(push, u);
@@ -141,12 +141,12 @@ TEST_CASE("forces of a hardening contact are derivatives of its energy; its tang
         CHECK((tangent.col(k) - (b.node_N - a.node_N) / (2 * h)).norm() < 1e-6 * tangent.norm());
         CHECK((hand_by.col(k) - Eigen::VectorXd((b.tool_force_N - a.tool_force_N) / (2 * h))).norm() < 1e-6 * hand_by.norm());
     }
-    const Eigen::MatrixXd by = law.stiffness_by(p, rows.factors);
+    const Eigen::MatrixXd by = model_terms.stiffness_by(p, rows.factors);
     for (Eigen::Index t = 0; t < p.size(); ++t) {
         Eigen::VectorXd low = p, high = p;
         low[t] -= 1e-6;
         high[t] += 1e-6;
-        const auto a = ContactSpring(rows, law.patch(low)).load(push, u), b = ContactSpring(rows, law.patch(high)).load(push, u);
+        const auto a = ContactSpring(rows, model_terms.patch(low)).load(push, u), b = ContactSpring(rows, model_terms.patch(high)).load(push, u);
         Eigen::Vector3d hand = Eigen::Vector3d::Zero();
         Eigen::VectorXd node = Eigen::VectorXd::Zero(u.size());
         for (int m = 0; m < by.rows(); ++m) {
@@ -164,7 +164,7 @@ TEST_CASE("a contact that hardens in compression is linear where the tool pulls 
     const ContactRows rows = DiscContact(mesh, 0.007).rows_at(Eigen::Vector3d(0.0312, 0.0277, 0.02));
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * rows.nodes.size()));
     const auto stiffness = [&](const char* term, const Eigen::Vector3d& push) {
-        ContactSpring spring(rows, law_on(mesh, {term}).patch(Eigen::VectorXd::Zero(1)));
+        ContactSpring spring(rows, energy_model_on(mesh, {term}).patch(Eigen::VectorXd::Zero(1)));
         spring.coupling_N_m2 = 0;
         return spring.load(push, rest).tool_force_N.dot(push) / push.squaredNorm();
     };
@@ -174,8 +174,8 @@ TEST_CASE("a contact that hardens in compression is linear where the tool pulls 
     CHECK(stiffness("contact.compression", in) == Approx(stiffness("contact.hardening", in)).epsilon(1e-9));
     CHECK(stiffness("contact.compression", in) > 1.05 * stiffness("contact.compression", 1e-6 * in));
     CHECK(stiffness("contact.hardening", -in) > 1.05 * stiffness("contact.compression", -in));
-    CHECK_THROWS_WITH(law_on(mesh, {"contact.compression", "contact.hardening"}), Catch::Matchers::Contains("`compression` replaces `hardening`"));
-    CHECK_THROWS_WITH(law_on(mesh, {"contact.softening", "contact.compression.edge"}), Catch::Matchers::Contains("or `softening`"));
+    CHECK_THROWS_WITH(energy_model_on(mesh, {"contact.compression", "contact.hardening"}), Catch::Matchers::Contains("`compression` replaces `hardening`"));
+    CHECK_THROWS_WITH(energy_model_on(mesh, {"contact.softening", "contact.compression.edge"}), Catch::Matchers::Contains("or `softening`"));
 }
 
 TEST_CASE("an untrained disc on a lattice has the half space's stiffness for radii of 0.1 to 1.6 cube edges", "[solid][long]") {
@@ -195,13 +195,13 @@ TEST_CASE("an untrained disc on a lattice has the half space's stiffness for rad
                 for (const int k : {0, 1}) {
                     const SpringMesh& mesh = meshes[static_cast<std::size_t>(k)];
                     const EnergyModelHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, R);
-                    const EnergyModelTerms law(mesh, heuristic, {"contact.normal"});
-                    const TissueEnergy energy = law.energy(mesh);
+                    const EnergyModelTerms model_terms(mesh, heuristic, {"contact.normal"});
+                    const TissueEnergy energy = model_terms.energy(mesh);
                     const DiscContact kernel(mesh, R);
                     EquilibriumSolver solver(energy, kernel);
                     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
-                    const ContactSpring contact(kernel.rows_at(Eigen::Vector3d((sizes[k] / 2 + part) * h, (sizes[k] / 2 + part) * h, sizes[k] / 2 * h)), law.patch(p));
-                    const EquilibriumState state = solver.press(law.constants(p), contact, push);
+                    const ContactSpring contact(kernel.rows_at(Eigen::Vector3d((sizes[k] / 2 + part) * h, (sizes[k] / 2 + part) * h, sizes[k] / 2 * h)), model_terms.patch(p));
+                    const EquilibriumState state = solver.indent(model_terms.constants(p), contact, push);
                     REQUIRE(state.status == SolverStatus::converged);
                     compliance[k] = push.norm() / state.contact_force_N.norm();
                     const Eigen::VectorXd stretch = contact.rows.push * push - contact.rows.pull * contact.gather(state.displacement);
@@ -222,22 +222,22 @@ TEST_CASE("an untrained disc on a lattice has the half space's stiffness for rad
 
 TEST_CASE("an indented solid hardens with depth and its implicit derivatives agree with finite differences", "[solid]") {
     const SpringMesh mesh = block(6, 6, 3);
-    const EnergyModelTerms law = law_on(mesh, some_terms);
-    const TissueEnergy energy = law.energy(mesh);
+    const EnergyModelTerms model_terms = energy_model_on(mesh, some_terms);
+    const TissueEnergy energy = model_terms.energy(mesh);
     const DiscContact kernel(mesh, 0.007, {nodule()});
     EquilibriumSolver solver(energy, kernel);
-    Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(law.size(), -0.2, 0.2);
+    Eigen::VectorXd p = Eigen::VectorXd::LinSpaced(model_terms.size(), -0.2, 0.2);
     p[10] = 2;  // hardening, seven times its heuristic
     const Eigen::Vector3d at(0.0312, 0.0277, 0.03), push = 6e-3 * Eigen::Vector3d(0.3, 0.2, -1).normalized();
     const auto pressed = [&](const Eigen::VectorXd& q, const Eigen::Vector3d& d) {
-        return solver.press(law.constants(q), ContactSpring(kernel.rows_at(at), law.patch(q)), d);
+        return solver.indent(model_terms.constants(q), ContactSpring(kernel.rows_at(at), model_terms.patch(q)), d);
     };
     const EquilibriumState half = pressed(p, push / 2), state = pressed(p, push);
     REQUIRE(half.status == SolverStatus::converged);
     REQUIRE(state.status == SolverStatus::converged);
     CHECK(state.contact_force_N.norm() > 2 * half.contact_force_N.norm());
     CHECK(state.contact_force_N.dot(push) > 0);
-    const EquilibriumDerivative by = solver.derivative(law.constants_by(p), law.stiffness_by(p, kernel.rows_at(at).factors));
+    const EquilibriumDerivative by = solver.derivative(model_terms.constants_by(p), model_terms.stiffness_by(p, kernel.rows_at(at).factors));
     for (Eigen::Index t = 0; t < p.size(); ++t) {
         Eigen::VectorXd low = p, high = p;
         low[t] -= 1e-4;
@@ -248,7 +248,7 @@ TEST_CASE("an indented solid hardens with depth and its implicit derivatives agr
         CHECK((by.displacement.col(t) - as_vector(moved)).norm() < 1e-5 * state.displacement.norm());
     }
     // a solution at another contact in between makes a new matrix pattern; the result is the same
-    solver.press(law.constants(p), ContactSpring(kernel.rows_at(Eigen::Vector3d(0.03, 0.04, 0.03)), law.patch(p)), push);
+    solver.indent(model_terms.constants(p), ContactSpring(kernel.rows_at(Eigen::Vector3d(0.03, 0.04, 0.03)), model_terms.patch(p)), push);
     CHECK((pressed(p, push).displacement - state.displacement).norm() < 1e-9 * state.displacement.norm());
 }
 

@@ -8,7 +8,7 @@
 #include "../mesh/disc.h"
 #include "../mesh/dome.h"
 #include "mesh/embedded_lattice.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "haptic/realtime_energy_model.h"
 #include "haptic/simulation.h"
 #include "haptic_example.h"
@@ -41,10 +41,10 @@ TissueModel unevenly_relaxing(TissueModel model) {
 std::vector<TissueModel> models() {
     std::vector<TissueModel> all;
     for (const SpringMesh& mesh : {make_lattice("grid8", 10, 10, 0.1, 0.1), make_lattice("grid8", 4, 7, 0.06, 0.1), edge_mesh(disc(24))})
-        all.push_back(unevenly_relaxing(law_example(mesh)));
+        all.push_back(unevenly_relaxing(energy_model_example(mesh)));
     // the models in space have a curve as well
     for (const std::size_t k : {1, 2}) all[k].energy_model->curve = SpringCurve::mooney_rivlin(0.6, 2, 0.9, 1.05);
-    for (const SpringMesh& mesh : {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}) all.push_back(unevenly_relaxing(solid_law_example(mesh)));
+    for (const SpringMesh& mesh : {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}) all.push_back(unevenly_relaxing(solid_model_example(mesh)));
     return all;
 }
 
@@ -63,15 +63,15 @@ TEST_CASE("the force of each relaxing element follows from its own Maxwell branc
     for (const TissueModel& model : models()) {
         const int D = model.mesh.dimension();
         const RealtimeMesh springs = springs_of(model);
-        const RealtimeEnergyModel law(model, springs);
+        const RealtimeEnergyModel energy_model(model, springs);
         const TissueEnergy energy(model.mesh, *model.energy_model);
         const Eigen::Index E = energy.constant_count();
         const NodeField shape = scattered(model.mesh, 1e-4);
         const double dt = 0.002;
-        BranchMemory memory = law.memory(dt);
+        BranchMemory memory = energy_model.memory(dt);
         CHECK(memory.size() >= E - model.mesh.support_count());
         NodeColumns f(model.mesh.node_count(), D);
-        RealtimeEnergyModel::Scratch scratch = law.scratch();
+        RealtimeEnergyModel::Scratch scratch = energy_model.scratch();
         // The whole field grows and shrinks together, so that x = sqrt(2 energy of the element).
         Eigen::VectorXd before = Eigen::VectorXd::Zero(E);
         Eigen::MatrixXd part = Eigen::MatrixXd::Zero(E, 3);
@@ -79,7 +79,7 @@ TEST_CASE("the force of each relaxing element follows from its own Maxwell branc
         double stored = 0;
         for (int n = 1; n <= 12; ++n) {
             const NodeField u = (0.6 + 0.4 * std::sin(0.9 * n)) * shape;
-            law.force(NodeColumns(u), f, scratch, memory);
+            energy_model.force(NodeColumns(u), f, scratch, memory);
             Eigen::VectorXd scale(E);
             stored = 0;
             for (Eigen::Index e = 0; e < E; ++e) {
@@ -102,14 +102,14 @@ TEST_CASE("the force of each relaxing element follows from its own Maxwell branc
         CHECK((f - NodeColumns(expected)).norm() <= 5e-5 * expected.norm());
         // One step after the state in `memory`, at the same displacement: the stored energy has only relaxed.
         BranchMemory still = memory;
-        const double later = law.energy(NodeColumns((0.6 + 0.4 * std::sin(0.9 * 12)) * shape), still);
+        const double later = energy_model.energy(NodeColumns((0.6 + 0.4 * std::sin(0.9 * 12)) * shape), still);
         CHECK(later < stored * (1 + 1e-9));
         CHECK(later > 0.7 * stored);
         long allocations = 0;
         {
             const NodeColumns columns = shape;
             const Allocations none;
-            law.force(columns, f, scratch, memory);
+            energy_model.force(columns, f, scratch, memory);
             allocations = Allocations::count();
         }
         CHECK(allocations == 0);
@@ -119,31 +119,31 @@ TEST_CASE("the force of each relaxing element follows from its own Maxwell branc
 TEST_CASE("an energy model that relaxes equals its instantaneous model after 1 ns and its long-term model after 60 s", "[law][memory]") {
     for (const TissueModel& model : models()) {
         const RealtimeMesh springs = springs_of(model);
-        const RealtimeEnergyModel law(model, springs);
+        const RealtimeEnergyModel energy_model(model, springs);
         TissueModel later = model;
         later.energy_model = long_term(*model.energy_model);
         const RealtimeEnergyModel rest(later, springs);
         CHECK(later.energy_model->relaxation.empty());
-        CHECK(law.slowest_s() == 2);
+        CHECK(energy_model.slowest_s() == 2);
         CHECK(rest.slowest_s() == 0);
         const NodeColumns u = scattered(model.mesh, 2e-3);
         NodeColumns f(u.rows(), u.cols()), now = f;
-        RealtimeEnergyModel::Scratch scratch = law.scratch();
-        law.force(u, now, scratch);
-        BranchMemory quick = law.memory(1e-9);
-        law.force(u, f, scratch, quick);
+        RealtimeEnergyModel::Scratch scratch = energy_model.scratch();
+        energy_model.force(u, now, scratch);
+        BranchMemory quick = energy_model.memory(1e-9);
+        energy_model.force(u, f, scratch, quick);
         INFO(model.mesh.topology);
         CHECK((f - now).norm() < 1e-6 * now.norm());
-        BranchMemory memory = law.memory(1);
-        for (int n = 0; n < 60; ++n) law.force(u, f, scratch, memory);
+        BranchMemory memory = energy_model.memory(1);
+        for (int n = 0; n < 60; ++n) energy_model.force(u, f, scratch, memory);
         rest.force(u, now, scratch);
         CHECK((f - now).norm() < 1e-10 * now.norm());
-        CHECK(law.energy(u, memory) == Approx(rest.energy(u)).epsilon(1e-9));
+        CHECK(energy_model.energy(u, memory) == Approx(rest.energy(u)).epsilon(1e-9));
         // the contact likewise
         ToolSpring tool, left;
-        law.contacts().at(0, Eigen::Vector3d(0.5, 0.5, 0), {}, tool);
+        energy_model.contacts().at(0, Eigen::Vector3d(0.5, 0.5, 0), {}, tool);
         rest.contacts().at(0, Eigen::Vector3d(0.5, 0.5, 0), {}, left);
-        ToolMemory of_tool = law.tool_memory(1);
+        ToolMemory of_tool = energy_model.tool_memory(1);
         Point push = 0.002 * tool.inward();
         push[0] += 0.001;
         for (int n = 0; n < 60; ++n) tool.remember(push, u, of_tool);
@@ -182,7 +182,7 @@ struct HeldTool {
 
 TEST_CASE("tissue that relaxes returns at most the hand's work plus the sampled coupling and keeps over a fifth", "[law][memory]") {
     for (const bool solid : {false, true}) {
-        const TissueModel model = relaxing(solid ? solid_law_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})) : law_example());
+        const TissueModel model = relaxing(solid ? solid_model_example(embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}})) : energy_model_example());
         const FreeSurface surface(model.mesh);
         HeldTool held(model);
         const FreeSurface::Place place = surface.nearest(solid ? Point(Eigen::Vector3d(0.026, 0.031, 0.02)) : Point(Eigen::Vector2d(0.052, 0.1)));
@@ -226,7 +226,7 @@ TEST_CASE("tissue that relaxes returns at most the hand's work plus the sampled 
 }
 
 TEST_CASE("held tissue that relaxes settles at its long-term equilibrium and its imprint fades after withdrawal", "[law][memory]") {
-    const TissueModel model = relaxing(law_example(make_lattice("grid8", 6, 6, 0.1, 0.1)));
+    const TissueModel model = relaxing(energy_model_example(make_lattice("grid8", 6, 6, 0.1, 0.1)));
     TissueModel later = model;
     later.energy_model = long_term(*model.energy_model);
     HapticOptions o;

@@ -22,7 +22,7 @@ const std::vector<std::string> terms = {"spring.all", "spring.surface", "spring.
 struct Problem {
     SpringMesh mesh;
     EnergyModelTerms law;
-    std::vector<PressPath> paths;
+    std::vector<IndentationPath> paths;
     Eigen::VectorXd truth;
 };
 
@@ -35,14 +35,14 @@ Problem problem(SpringMesh mesh) {
     const ContactSurface surface(mesh);
     EquilibriumSolver solver(energy, surface);
     for (double part : {0.1, 0.27, 0.36, 0.52}) {
-        PressPath& path = p.paths.emplace_back();
+        IndentationPath& path = p.paths.emplace_back();
         const double arc_m = part * surface.outline().length();
         path.contact_m = surface.outline().position(arc_m);
         path.name = "at " + std::to_string(part);
         const ContactPatch patch = surface.at(arc_m);
         for (double depth : {0.003, 0.006}) {
             const Eigen::Vector2d push = depth * surface.outline().direction(arc_m, 2 * part - 0.6);
-            const EquilibriumState state = solver.press(p.law.constants(p.truth), PatchSpring(patch, p.law.patch(p.truth).at(patch)), push);
+            const EquilibriumState state = solver.indent(p.law.constants(p.truth), PatchSpring(patch, p.law.patch(p.truth).at(patch)), push);
             path.records.push_back({push, state.contact_force_N, state.displacement});
         }
     }
@@ -54,7 +54,7 @@ Problem problem(SpringMesh mesh) {
 TEST_CASE("training recovers the energy model of its reference on a block and on a shape") {
     for (const SpringMesh& mesh : {make_lattice("grid8", 6, 6, 0.1, 0.1), edge_mesh(disc(16))}) {
         const Problem p = problem(mesh);
-        LawTrainingOptions options;
+        EnergyModelTrainingOptions options;
         options.ridge = 0;
         options.fit = {60, 1e-9, 1e-12, 0};
         const TrainedEnergyModel trained = train_energy_model(p.mesh, p.law, p.paths, options);
@@ -68,10 +68,10 @@ TEST_CASE("training recovers the energy model of its reference on a block and on
 
 TEST_CASE("training on forces alone matches them up to the ridge") {
     Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
-    for (PressPath& path : p.paths)
-        for (PressPath::Record& record : path.records) record.displacement.resize(0, 0);
+    for (IndentationPath& path : p.paths)
+        for (IndentationPath::Record& record : path.records) record.displacement.resize(0, 0);
     const TrainedEnergyModel trained = train_energy_model(p.mesh, p.law, p.paths);
-    CHECK(law_residual_count(p.law, p.paths, {}) == 2 * 8 + 8);
+    CHECK(energy_model_residual_count(p.law, p.paths, {}) == 2 * 8 + 8);
     CHECK(trained.objective < 0.05);  // of the ridge: errors of a fifth of a percent
 }
 
@@ -81,28 +81,28 @@ TEST_CASE("the heuristic's factor is the force ratio without zero forces and is 
     const ContactSurface surface(p.mesh);
     EquilibriumSolver solver(energy, surface);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(p.law.size());
-    for (PressPath& path : p.paths) {
+    for (IndentationPath& path : p.paths) {
         const ContactPatch patch = surface.at(surface.outline().arc_of(path.contact_m));
-        for (PressPath::Record& record : path.records)
-            record.force_N = 2.5 * solver.press(p.law.constants(zero), PatchSpring(patch, p.law.patch(zero).at(patch)), record.push_m).contact_force_N;
+        for (IndentationPath::Record& record : path.records)
+            record.force_N = 2.5 * solver.indent(p.law.constants(zero), PatchSpring(patch, p.law.patch(zero).at(patch)), record.push_m).contact_force_N;
     }
     CHECK(heuristic_factor(p.mesh, p.law, p.paths) == Approx(2.5).epsilon(tolerance::newton));
     p.paths[0].records[0].force_N.setZero();  // without a relative error it does not count
     CHECK(heuristic_factor(p.mesh, p.law, p.paths) == Approx(2.5).epsilon(tolerance::newton));
-    for (PressPath& path : p.paths)
-        for (PressPath::Record& record : path.records) record.force_N.setZero();
+    for (IndentationPath& path : p.paths)
+        for (IndentationPath::Record& record : path.records) record.force_N.setZero();
     CHECK_THAT(refusal<MismatchError>([&] { heuristic_factor(p.mesh, p.law, p.paths); }), Contains("no load path has a force"));
 }
 
 TEST_CASE("training residuals vanish at the reference but for the ridge and derivatives agree with differences") {
     const Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
-    LawTrainingOptions options;
-    options.press.tolerance = 1e-12;
-    const int rows = law_residual_count(p.law, p.paths, {});
+    EnergyModelTrainingOptions options;
+    options.equilibrium.tolerance = 1e-12;
+    const int rows = energy_model_residual_count(p.law, p.paths, {});
     const auto at = [&](const Eigen::VectorXd& coefficients, RowMatrix& J) {
         Eigen::VectorXd f(rows);
         J.resize(rows, p.law.size());
-        law_residuals(p.mesh, p.law, p.paths, options, coefficients, f, J);
+        energy_model_residuals(p.mesh, p.law, p.paths, options, coefficients, f, J);
         return f;
     };
     RowMatrix J, ignored;
@@ -120,7 +120,7 @@ TEST_CASE("training residuals vanish at the reference but for the ridge and deri
 
 TEST_CASE("training does not depend on the number of threads and keeps the best of several starts") {
     const Problem p = problem(make_lattice("grid8", 6, 6, 0.1, 0.1));
-    LawTrainingOptions options;
+    EnergyModelTrainingOptions options;
     options.starts = 3;
     const TrainedEnergyModel one = train_energy_model(p.mesh, p.law, p.paths, options);
     options.threads = 3;
@@ -148,13 +148,13 @@ TEST_CASE("an indentation without equilibrium has an error of 1 and is listed wi
     p.paths.resize(1);
     p.paths[0].records.resize(1);
     p.paths[0].records[0].push_m *= 100;  // 300 mm: three times the size of the block
-    LawTrainingOptions options;
-    options.press.smallest_step = 0.02;
-    const int rows = law_residual_count(p.law, p.paths, {});
+    EnergyModelTrainingOptions options;
+    options.equilibrium.smallest_step = 0.02;
+    const int rows = energy_model_residual_count(p.law, p.paths, {});
     Eigen::VectorXd f(rows);
     RowMatrix J(rows, p.law.size());
     std::vector<std::string> lost;
-    law_residuals(p.mesh, p.law, p.paths, options, Eigen::VectorXd::Zero(p.law.size()), f, J, &lost);
+    energy_model_residuals(p.mesh, p.law, p.paths, options, Eigen::VectorXd::Zero(p.law.size()), f, J, &lost);
     CHECK(f.head(2).norm() == Approx(100));
     CHECK(f.segment(2, rows - 2).norm() == Approx(1 / 0.03));
     REQUIRE(lost.size() == 1);
@@ -173,56 +173,56 @@ TEST_CASE("training in space recovers the model from forces and surface displace
     const double E = 4500, radius_m = 0.007;
     const EnergyModelHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E),
                                                    Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, radius_m);
-    const EnergyModelTerms law(mesh, heuristic, {"spring.all", "contact.normal", "contact.tangent", "contact.hardening", "skin.normal", "skin.tangent", "skin.heave", "skin.radial"});
+    const EnergyModelTerms model_terms(mesh, heuristic, {"spring.all", "contact.normal", "contact.tangent", "contact.hardening", "skin.normal", "skin.tangent", "skin.heave", "skin.radial"});
     const Eigen::VectorXd truth = (Eigen::VectorXd(8) << -0.3, 0.2, -0.2, 0.5, 0.3, -0.4, 0.2, 0.1).finished();
-    const IndentationSolver press(mesh, {law.terms(), truth, law.constants(truth), law.patch(truth), false, radius_m});
-    std::vector<PressPath> paths;
+    const IndentationSolver solver(mesh, {model_terms.terms(), truth, model_terms.constants(truth), model_terms.patch(truth), false, radius_m});
+    std::vector<IndentationPath> paths;
     for (const Eigen::Vector3d& direction : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(0.5, 0, -1)})
         for (double x : {0.021, 0.03}) {
-            PressPath& path = paths.emplace_back();
+            IndentationPath& path = paths.emplace_back();
             path.name = "at " + std::to_string(x);
             path.contact_m = Eigen::Vector3d(x, 0.026, 0.03);
             for (double depth : {0.003, 0.007}) {
                 const Eigen::Vector3d push = depth * direction.normalized();
-                const Equilibrium state = press.at(path.contact_m, push);
+                const Equilibrium state = solver.at(path.contact_m, push);
                 REQUIRE(state);
-                path.records.push_back({push, state.contact_force, press.seen(path.contact_m, push, state.displacement)});
+                path.records.push_back({push, state.contact_force, solver.displayed(path.contact_m, push, state.displacement)});
             }
         }
-    LawTrainingOptions options;
+    EnergyModelTrainingOptions options;
     options.ridge = 0;
     options.disc_radius_m = radius_m;
-    options.seen = seen_nodes(mesh);
+    options.compared = compared_nodes(mesh);
     options.fit = {60, 1e-9, 1e-12, 0};
-    CHECK(law_residual_count(law, paths, options) == 8 * (3 + 3 * static_cast<int>(options.seen.size())) + 8);
-    const TrainedEnergyModel trained = train_energy_model(mesh, law, paths, options);
+    CHECK(energy_model_residual_count(model_terms, paths, options) == 8 * (3 + 3 * static_cast<int>(options.compared.size())) + 8);
+    const TrainedEnergyModel trained = train_energy_model(mesh, model_terms, paths, options);
     CHECK((trained.coefficients - truth).norm() < 1e-4);
     CHECK(trained.objective < 1e-8);
     CHECK(trained.lost.empty());
     options.threads = 3;
-    CHECK(train_energy_model(mesh, law, paths, options).coefficients == trained.coefficients);
+    CHECK(train_energy_model(mesh, model_terms, paths, options).coefficients == trained.coefficients);
 
     // started from equilibria of other parameters, the residuals are those of a start from rest
-    const int rows = law_residual_count(law, paths, options);
-    LawRests rests;
+    const int rows = energy_model_residual_count(model_terms, paths, options);
+    PathEquilibria rests;
     Eigen::VectorXd cold(rows), warm(rows);
-    RowMatrix J(rows, law.size());
-    law_residuals(mesh, law, paths, options, Eigen::VectorXd::Zero(8), warm, J, nullptr, &rests);
-    law_residuals(mesh, law, paths, options, truth, warm, J, nullptr, &rests);
-    law_residuals(mesh, law, paths, options, truth, cold, J);
+    RowMatrix J(rows, model_terms.size());
+    energy_model_residuals(mesh, model_terms, paths, options, Eigen::VectorXd::Zero(8), warm, J, nullptr, &rests);
+    energy_model_residuals(mesh, model_terms, paths, options, truth, warm, J, nullptr, &rests);
+    energy_model_residuals(mesh, model_terms, paths, options, truth, cold, J);
     CHECK((warm - cold).norm() < 1e-6);
 
     // their derivative agrees with differences, also of the displacements with skin
-    options.press.tolerance = 1e-12;
-    RowMatrix ignored(rows, law.size());
+    options.equilibrium.tolerance = 1e-12;
+    RowMatrix ignored(rows, model_terms.size());
     const auto at = [&](const Eigen::VectorXd& p) {
-        law_residuals(mesh, law, paths, options, p, cold, ignored);
+        energy_model_residuals(mesh, model_terms, paths, options, p, cold, ignored);
         return cold;
     };
     const Eigen::VectorXd near = 0.5 * truth;
-    law_residuals(mesh, law, paths, options, near, warm, J);
-    for (int t = 0; t < law.size(); ++t) {
-        const Eigen::VectorXd e = 1e-3 * Eigen::VectorXd::Unit(law.size(), t);
+    energy_model_residuals(mesh, model_terms, paths, options, near, warm, J);
+    for (int t = 0; t < model_terms.size(); ++t) {
+        const Eigen::VectorXd e = 1e-3 * Eigen::VectorXd::Unit(model_terms.size(), t);
         const Eigen::VectorXd once = at(near + e) - at(near - e), twice = at(near + 2 * e) - at(near - 2 * e);
         CHECK(((8 * once - twice) / 12e-3 - J.col(t)).norm() <= tolerance::difference * J.col(t).norm());
     }
@@ -232,69 +232,69 @@ TEST_CASE("training in space recovers the size terms of a disc from contacts of 
     const SpringMesh mesh = embedded_block(Lattice{{5, 5, 3}, {0.05, 0.05, 0.03}});
     const double E = 4500, own_m = 0.007;
     const EnergyModelHeuristic heuristic = solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), E), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), E), E, 12, own_m);
-    const EnergyModelTerms law(mesh, heuristic, {"contact.normal", "contact.normal.size", "contact.hardening.size"});
+    const EnergyModelTerms model_terms(mesh, heuristic, {"contact.normal", "contact.normal.size", "contact.hardening.size"});
     const Eigen::VectorXd truth = Eigen::Vector3d(0.2, 0.4, 0.6);
-    EnergyModel known{law.terms(), truth, law.constants(truth), law.patch(truth), false, own_m};
+    EnergyModel known{model_terms.terms(), truth, model_terms.constants(truth), model_terms.patch(truth), false, own_m};
     known.sizes = {with_means({0.005, own_m, 0.010}), mesh.embedding.spacing_m};
-    const IndentationSolver press(mesh, known);
-    std::vector<PressPath> paths;
+    const IndentationSolver solver(mesh, known);
+    std::vector<IndentationPath> paths;
     for (double radius_m : {0.0, 0.005, 0.010}) {
-        PressPath& path = paths.emplace_back();
+        IndentationPath& path = paths.emplace_back();
         path.name = "radius " + std::to_string(radius_m);
         path.contact_m = Eigen::Vector3d(0.024, 0.026, 0.03);
         path.radius_m = radius_m;
         for (double depth : {0.003, 0.006}) {
             const Point push = depth * Eigen::Vector3d(0.2, 0, -1).normalized();
-            const Equilibrium state = press.of(radius_m).at(path.contact_m, push);
+            const Equilibrium state = solver.of(radius_m).at(path.contact_m, push);
             REQUIRE(state);
             path.records.push_back({push, state.contact_force, {}});
         }
     }
-    LawTrainingOptions options;
+    EnergyModelTrainingOptions options;
     options.ridge = 0;
     options.disc_radius_m = own_m;
     options.sizes = known.sizes;
     options.fit = {60, 1e-9, 1e-12, 0};
-    const TrainedEnergyModel trained = train_energy_model(mesh, law, paths, options);
+    const TrainedEnergyModel trained = train_energy_model(mesh, model_terms, paths, options);
     CHECK((trained.coefficients - truth).norm() < 1e-4);
     CHECK(trained.lost.empty());
 }
 
 TEST_CASE("training keeps every equilibrium of its start even where losing one lowers the objective") {
     const SpringMesh mesh = make_lattice("grid8", 6, 6, 0.1, 0.1);
-    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12), {"spring.all", "spring.surface", "contact.normal", "contact.tangent"});
-    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(law.size());
-    const IndentationSolver press(mesh, {law.terms(), zero, law.constants(zero), law.patch(zero), law.incompressible()});
+    const EnergyModelTerms model_terms(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12), {"spring.all", "spring.surface", "contact.normal", "contact.tangent"});
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model_terms.size());
+    const IndentationSolver solver(mesh, {model_terms.terms(), zero, model_terms.constants(zero), model_terms.patch(zero), model_terms.incompressible()});
     const Outline outline(mesh);
-    std::vector<PressPath> paths;
+    std::vector<IndentationPath> paths;
     for (double part : {0.1, 0.27, 0.36, 0.52}) {
-        PressPath& path = paths.emplace_back();
+        IndentationPath& path = paths.emplace_back();
         path.contact_m = outline.position(part * outline.length());
         const Eigen::Vector2d push = 0.008 * outline.direction(part * outline.length(), 2 * part - 0.6);
-        const Equilibrium state = press.at(path.contact_m, push);
+        const Equilibrium state = solver.at(path.contact_m, push);
         REQUIRE(state);
         path.records.push_back({push, 0.2 * state.contact_force, {}});  // tissue a fifth as stiff
     }
-    LawTrainingOptions options;
+    EnergyModelTrainingOptions options;
     options.ridge = 0.01;
-    options.press.max_newton = 4;  // few iterations in long steps, so that equilibria are soon missed
-    options.press.load_step = 2;
-    options.press.smallest_step = 0.3;
-    const int rows = law_residual_count(law, paths, options);
+    options.equilibrium.max_newton = 4;  // few iterations in long steps, so that equilibria are soon missed
+    options.equilibrium.load_step = 2;
+    options.equilibrium.smallest_step = 0.3;
+    const int rows = energy_model_residual_count(model_terms, paths, options);
     std::vector<char> gone;
     const FitFunction residuals = [&](const Eigen::VectorXd& p, Eigen::Ref<Eigen::VectorXd> f, Eigen::Ref<RowMatrix> J) {
-        law_residuals(mesh, law, paths, options, p, f, J, nullptr, nullptr, &gone);
+        energy_model_residuals(mesh, model_terms, paths, options, p, f, J, nullptr, nullptr, &gone);
     };
     const auto lost_at = [&](const Eigen::VectorXd& p) {
         Eigen::VectorXd f(rows);
-        RowMatrix J(rows, law.size());
+        RowMatrix J(rows, model_terms.size());
         residuals(p, f, J);
         return std::count(gone.begin(), gone.end(), 1);
     };
     REQUIRE(lost_at(zero) == 0);
     const FitResult careless = nonlinear_fit(residuals, rows, zero, options.fit);
     CHECK(lost_at(careless.x) > 0);  // a fit without this rule loses equilibria
-    const TrainedEnergyModel trained = train_energy_model(mesh, law, paths, options);
+    const TrainedEnergyModel trained = train_energy_model(mesh, model_terms, paths, options);
     CHECK(trained.lost.empty());
     CHECK(trained.starts[0].lost == 0);
     CHECK(trained.objective < 0.1 * 2 * careless.half_square);

@@ -1,4 +1,4 @@
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 
 #include "springs/contact_patch.h"
 #include "springs/disc_contact.h"
@@ -10,9 +10,9 @@ std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, doubl
     return std::make_unique<ContactSurface>(mesh);
 }
 
-std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const EnergyModel& law) {
-    std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, law.disc_radius_m, law.disc);
-    kernel->scale(law.contact_log_scale);
+std::unique_ptr<ContactKernel> make_contact_kernel(const SpringMesh& mesh, const EnergyModel& energy_model) {
+    std::unique_ptr<ContactKernel> kernel = make_contact_kernel(mesh, energy_model.disc_radius_m, energy_model.disc);
+    kernel->scale(energy_model.contact_log_scale);
     return kernel;
 }
 

@@ -26,7 +26,7 @@ RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.en
 
 /// An energy model with different constants in all elements, so that no element can replace another.
 TissueModel uneven(const SpringMesh& mesh) {
-    TissueModel model = law_example(mesh);
+    TissueModel model = energy_model_example(mesh);
     for (Eigen::Index e = 0; e < model.energy_model->constants.size(); ++e)
         model.energy_model->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));
     return model;
@@ -39,23 +39,23 @@ TEST_CASE("forces and energy in the tick equal those of the trained energy model
         for (double size : {1e-6, 1e-3, 4e-3}) {
             const TissueModel model = uneven(mesh);
             const RealtimeMesh springs = springs_of(model);
-            const RealtimeEnergyModel law(model, springs);
+            const RealtimeEnergyModel energy_model(model, springs);
             const TissueEnergy energy(mesh, true);
             const NodeField u = scattered(mesh, size);
             const NodeField expected = energy.force(model.energy_model->constants, u);
             NodeColumns f(mesh.node_count(), 2);
-            RealtimeEnergyModel::Scratch scratch = law.scratch();
+            RealtimeEnergyModel::Scratch scratch = energy_model.scratch();
             long allocations = 0;
             {
                 const NodeColumns columns = u;
                 const Allocations none;
-                law.force(columns, f, scratch);
+                energy_model.force(columns, f, scratch);
                 allocations = Allocations::count();
             }
             INFO(mesh.topology << " " << size);
             // l - L cancels in the tick's springs
             CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());
-            CHECK(law.energy(u) == Approx(energy.energy(model.energy_model->constants, u)).epsilon(1e-8));
+            CHECK(energy_model.energy(u) == Approx(energy.energy(model.energy_model->constants, u)).epsilon(1e-8));
             CHECK(allocations == 0);
         }
 }
@@ -64,7 +64,7 @@ TEST_CASE("the contact in the tick equals the trained one and acts on fixed node
     for (const SpringMesh& mesh : meshes()) {
         const TissueModel model = uneven(mesh);
         const RealtimeMesh springs = springs_of(model);
-        const RealtimeEnergyModel law(model, springs);
+        const RealtimeEnergyModel energy_model(model, springs);
         const ContactSurface surface(mesh);
         const std::size_t M = mesh.loop().size();
         int held = 0;
@@ -73,7 +73,7 @@ TEST_CASE("the contact in the tick equals the trained one and acts on fixed node
                 const int i = mesh.loop()[b], j = mesh.loop()[(b + 1) % M];
                 const Eigen::Vector2d place = (1 - w) * mesh.nodes.row(i) + w * mesh.nodes.row(j);
                 ToolSpring now;
-                law.contact(static_cast<int>(b), {1 - w, w, 0}, {}, now);
+                energy_model.contact(static_cast<int>(b), {1 - w, w, 0}, {}, now);
                 const NodeColumns u = scattered(mesh, 1e-3);
                 const Eigen::Vector2d push(0.002, -0.001);
                 NodeColumns asked = NodeColumns::Zero(u.rows(), 2);
@@ -104,7 +104,7 @@ TEST_CASE("the contact in the tick equals the trained one and acts on fixed node
 }
 
 TEST_CASE("the spectrum of an energy model is that of its tangents at rest and indented", "[law]") {
-    TissueModel model = law_example();
+    TissueModel model = energy_model_example();
     model.magnitude_m *= 2;  // 20 mm: deep enough that springs and cells stiffen, not only the contact
     const SpringMesh& mesh = model.mesh;
     const RealtimeMesh springs = springs_of(model);
@@ -138,7 +138,7 @@ TEST_CASE("the spectrum of an energy model is that of its tangents at rest and i
         const double arc = k / 10.0 * surface.outline().length();
         const ContactPatch patch = surface.at(arc);
         const PatchSpring contact(patch, model.energy_model->patch.at(patch));
-        const EquilibriumState state = solver.press(model.energy_model->constants, contact, 0.020 * surface.outline().direction(arc, 0.3));
+        const EquilibriumState state = solver.indent(model.energy_model->constants, contact, 0.020 * surface.outline().direction(arc, 0.3));
         if (state.status != SolverStatus::no_equilibrium) stiffest = std::max(stiffest, eigenvalues(state.displacement, &contact).maxCoeff());
     }
     CHECK(stiffest > rest[rest.size() - 1]);
@@ -147,7 +147,7 @@ TEST_CASE("the spectrum of an energy model is that of its tangents at rest and i
 }
 
 TEST_CASE("the contact stiffness of an energy model is that of its stiffest direction", "[law]") {
-    TissueModel across = law_example(), in = across;
+    TissueModel across = energy_model_example(), in = across;
     auto stiffness = across.energy_model->patch.log_N_m;
     stiffness.row(1) = stiffness.row(0);
     stiffness(1, 0) += 1;  // e times as stiff along the surface as straight in
@@ -159,7 +159,7 @@ TEST_CASE("the contact stiffness of an energy model is that of its stiffest dire
 }
 
 TEST_CASE("for very small masses the highest frequency of an energy model is right or not finite", "[law][long]") {
-    TissueModel model = law_example();
+    TissueModel model = energy_model_example();
     const double largest = energy_model_spectrum(model, springs_of(model)).largest;
     const Eigen::VectorXd mass_kg = model.node_mass_kg;
     int right = 0, none = 0;
@@ -179,12 +179,12 @@ TEST_CASE("for very small masses the highest frequency of an energy model is rig
 }
 
 TEST_CASE("an energy model refuses spring sets and springs that do not turn and steps other than symplectic", "[law]") {
-    const TissueModel model = law_example(), sets = haptic_example();
+    const TissueModel model = energy_model_example(), sets = haptic_example();
     const RealtimeMesh springs = springs_of(model), axial(model.mesh, "axial", model.node_mass_kg);
     CHECK_THAT(refusal<MismatchError>([&] { RealtimeEnergyModel(sets, springs); }), Contains("not an energy model"));
     CHECK_THAT(refusal<MismatchError>([&] { RealtimeEnergyModel(model, axial); }), Contains("geometric"));
     CHECK_THAT(refusal<MismatchError>([&] { energy_model_spectrum(sets, springs); }), Contains("not an energy model"));
-    const RealtimeEnergyModel law(model, springs);
+    const RealtimeEnergyModel energy_model(model, springs);
     for (const char* name : {"implicit", "paper"})
-        CHECK_THAT(refusal<MismatchError>([&] { make_dynamics(name, springs, {1e-3, 1, &law}); }), Contains(name));
+        CHECK_THAT(refusal<MismatchError>([&] { make_dynamics(name, springs, {1e-3, 1, &energy_model}); }), Contains(name));
 }

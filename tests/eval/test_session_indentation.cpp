@@ -25,7 +25,7 @@ TEST_CASE("the dynamic force of spring sets converges to the static one where th
         const HapticModel model(tissue, {});
         int answered = 0, asked = 0;
         for (int c = 0; c < tissue.case_count(); c += e.law == "isotropic" ? 2 : 4) {
-            const PressResult r = press(model, tissue, {tissue.case_names[static_cast<std::size_t>(c)], tissue.contact_m.row(c), tissue.direction.row(c), tissue.magnitude_m[c], {}});
+            const IndentationResult r = indent(model, tissue, {tissue.case_names[static_cast<std::size_t>(c)], tissue.contact_m.row(c), tissue.direction.row(c), tissue.magnitude_m[c], {}});
             if (!r.rested) WARN(e.law << " " << r.name << " does not rest");
             INFO(e.law << " " << r.name << ": " << r.reason << " after " << r.seconds << " s");
             ++asked;
@@ -44,15 +44,15 @@ TEST_CASE("a dynamic indentation at rest at the contact and depth of the referen
     const HapticModel model(tissue, {});
     const auto law = make_spring_law(tissue.law);
     // reference: the static equilibrium of this model, so that only dynamic errors remain
-    IndentationReference truth{"top", Eigen::Vector2d(0.047, 0.1), Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
-    const SurfacePoint point = locate_on_surface(tissue.mesh, truth.contact_m);
+    IndentationReference reference{"top", Eigen::Vector2d(0.047, 0.1), Eigen::Vector2d(0.3, -1).normalized(), 0.012, {}};
+    const SurfacePoint point = locate_on_surface(tissue.mesh, reference.contact_m);
     const std::vector<int> loop = tissue.mesh.loop();
     const int segment = static_cast<int>(std::find(loop.begin(), loop.end(), point.node[0]) - loop.begin());
-    const int set = model.selector->select(segment, point.weight[1], truth.magnitude_m * truth.direction);
-    const auto rest = solve_equilibrium(tissue.mesh, *law, tissue.trained[0].theta.row(set).transpose(), point, truth.magnitude_m * truth.direction);
+    const int set = model.selector->select(segment, point.weight[1], reference.magnitude_m * reference.direction);
+    const auto rest = solve_equilibrium(tissue.mesh, *law, tissue.trained[0].theta.row(set).transpose(), point, reference.magnitude_m * reference.direction);
     REQUIRE(rest);
-    truth.force_N = rest.contact_force;
-    const PressResult r = press(model, tissue, truth);
+    reference.force_N = rest.contact_force;
+    const IndentationResult r = indent(model, tissue, reference);
     INFO(r.rested << " " << r.reason << " off " << r.off_contact_m << " static " << r.static_error << " " << r.seconds);
     REQUIRE((r.rested && r.fe_error && r.static_fe_error));
     CHECK(*r.fe_error < 2e-3);
@@ -62,25 +62,25 @@ TEST_CASE("a dynamic indentation at rest at the contact and depth of the referen
 }
 
 TEST_CASE("a dynamic indentation of an energy model rests within five seconds at its static equilibrium", "[truth][law]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     HapticOptions options;
     options.safety.force_max_N = 10;  // the largest force is 6 N
     const HapticModel model(tissue, options);
-    const IndentationSolver law(tissue);
+    const IndentationSolver solver(tissue);
     const Outline outline(tissue.mesh);
     struct Push { double arc, angle, depth; };
     for (const auto& [arc, angle, depth] : {Push{0.03, 0.4, 0.010}, Push{0.075, 0, 0.008}, Push{0.102, -0.3, 0.006}, Push{0.147, 0.5, 0.010}, Push{0.28, -0.5, 0.012}}) {
-        IndentationReference truth{"place", outline.position(arc), outline.direction(arc, angle), depth, {}};
-        const Equilibrium exact = law.at(outline.position(arc), depth * truth.direction);
+        IndentationReference reference{"place", outline.position(arc), outline.direction(arc, angle), depth, {}};
+        const Equilibrium exact = solver.at(outline.position(arc), depth * reference.direction);
         REQUIRE(exact);
-        truth.force_N = exact.contact_force;  // reference: this energy model
-        const PressResult r = press(model, tissue, truth);
+        reference.force_N = exact.contact_force;  // reference: this energy model
+        const IndentationResult r = indent(model, tissue, reference);
         INFO("arc " << arc << ": " << r.reason << " after " << r.seconds << " s, off " << r.off_contact_m << ", static " << r.static_error);
         REQUIRE((r.rested && r.fe_error && r.static_fe_error));
         CHECK(r.seconds <= 5);
         CHECK(r.static_error < 1e-4);
         CHECK(*r.fe_error < 2e-3);
         CHECK(*r.static_fe_error < 1e-9);
-        CHECK((r.displacement_m - depth * truth.direction).norm() < 1e-6);
+        CHECK((r.displacement_m - depth * reference.direction).norm() < 1e-6);
     }
 }

@@ -45,7 +45,7 @@ TEST_CASE("indented tissue rests at an energy minimum: displacing free nodes inc
     EquilibriumSolver solver(block().energy, block().surface);
     const PatchSpring contact = block().contact(0.047);
     const Eigen::Vector2d push(-0.008, 0.003);
-    const EquilibriumState state = solver.press(block().constants, contact, push);
+    const EquilibriumState state = solver.indent(block().constants, contact, push);
     REQUIRE(state.status == SolverStatus::converged);
     CHECK(state.energy_J == Approx(block().total_energy(contact, push, state.displacement)).epsilon(tolerance::rounding));
     for (double size : {1e-5, 1e-3}) {
@@ -61,12 +61,12 @@ TEST_CASE("the contact force is the derivative of the stored energy by the tool 
     for (double arc : {0.047, 0.1, 0.152}) {
         const PatchSpring contact = block().contact(arc);
         const Eigen::Vector2d push = 0.008 * block().surface.outline().direction(arc, 0.4);
-        const EquilibriumState state = solver.press(block().constants, contact, push);
+        const EquilibriumState state = solver.indent(block().constants, contact, push);
         const double h = 1e-5;
         for (int axis : {0, 1}) {
             const Eigen::Vector2d e = h * Eigen::Vector2d::Unit(axis);
-            const double slope = (solver.press(block().constants, contact, push + e).energy_J -
-                                  solver.press(block().constants, contact, push - e).energy_J) / (2 * h);
+            const double slope = (solver.indent(block().constants, contact, push + e).energy_J -
+                                  solver.indent(block().constants, contact, push - e).energy_J) / (2 * h);
             CHECK(slope == Approx(state.contact_force_N[axis]).epsilon(tolerance::difference).margin(tolerance::difference * state.contact_force_N.norm()));
         }
     }
@@ -77,11 +77,11 @@ TEST_CASE("the net work over a closed path of the tool is zero") {
     const PatchSpring contact = block().contact(0.13);
     const auto work = [&](int steps) {
         double sum = 0, stored = 0;
-        EquilibriumState state = solver.press(block().constants, contact, Eigen::Vector2d(0.0025, -0.007));
+        EquilibriumState state = solver.indent(block().constants, contact, Eigen::Vector2d(0.0025, -0.007));
         for (int i = 1; i <= steps; ++i) {
             const double angle = 2 * std::acos(-1.0) * i / steps;
             const EquilibriumState before = state;
-            state = solver.press(block().constants, contact, Eigen::Vector2d(0.0025 * std::cos(angle), -0.007 + 0.0025 * std::sin(angle)), &before);
+            state = solver.indent(block().constants, contact, Eigen::Vector2d(0.0025 * std::cos(angle), -0.007 + 0.0025 * std::sin(angle)), &before);
             sum += (state.contact_force_N + before.contact_force_N).dot(state.push_m - before.push_m) / 2;
             stored = std::max(stored, state.energy_J);
         }
@@ -95,12 +95,12 @@ TEST_CASE("the equilibrium does not depend on the path of the tool") {
     EquilibriumSolver solver(block().energy, block().surface);
     const PatchSpring contact = block().contact(0.192);
     const Eigen::Vector2d push(-0.004, -0.009);
-    const EquilibriumState straight = solver.press(block().constants, contact, push);
-    const EquilibriumState aside = solver.press(block().constants, contact, Eigen::Vector2d(0.005, -0.002));
-    const EquilibriumState round = solver.press(block().constants, contact, push, &aside);
+    const EquilibriumState straight = solver.indent(block().constants, contact, push);
+    const EquilibriumState aside = solver.indent(block().constants, contact, Eigen::Vector2d(0.005, -0.002));
+    const EquilibriumState round = solver.indent(block().constants, contact, push, &aside);
     CHECK((straight.displacement - round.displacement).norm() <= tolerance::newton * straight.displacement.norm());
     CHECK((straight.contact_force_N - round.contact_force_N).norm() <= tolerance::newton * straight.contact_force_N.norm());
-    const EquilibriumState back = solver.press(block().constants, contact, Eigen::Vector2d(0, 0), &straight);
+    const EquilibriumState back = solver.indent(block().constants, contact, Eigen::Vector2d(0, 0), &straight);
     CHECK(back.status == SolverStatus::converged);
     CHECK(back.displacement.norm() <= tolerance::newton * straight.displacement.norm());
 }
@@ -109,8 +109,8 @@ TEST_CASE("a mirrored indentation of a symmetric block has the mirrored force an
     Tissue even;
     even.constants = energy_model_heuristic(even.mesh, 450, "plane-strain", 12).constants;
     EquilibriumSolver solver(even.energy, even.surface);
-    const EquilibriumState one = solver.press(even.constants, even.contact(0.043), Eigen::Vector2d(-0.007, 0.002));
-    const EquilibriumState other = solver.press(even.constants, even.contact(0.3 - 0.043), Eigen::Vector2d(0.007, 0.002));
+    const EquilibriumState one = solver.indent(even.constants, even.contact(0.043), Eigen::Vector2d(-0.007, 0.002));
+    const EquilibriumState other = solver.indent(even.constants, even.contact(0.3 - 0.043), Eigen::Vector2d(0.007, 0.002));
     CHECK(one.contact_force_N.x() == Approx(-other.contact_force_N.x()).epsilon(tolerance::newton));
     CHECK(one.contact_force_N.y() == Approx(other.contact_force_N.y()).epsilon(tolerance::newton));
     CHECK(one.energy_J == Approx(other.energy_J).epsilon(tolerance::newton));
@@ -127,13 +127,13 @@ TEST_CASE("implicit derivatives of force and displacement by constants and conta
         for (Eigen::Index e = 0; e < tissue.constants.size(); ++e)
             constants_by.row(e) << tissue.constants[e] * std::cos(3.0 * static_cast<double>(e)), tissue.constants[e] * (e % 3 == 0), 0, 0, 0, 0;
         stiffness_by.diagonal(2) << k.normal, k.tangent, k.rotation, k.stretch;
-        solver.press(tissue.constants, tissue.contact(arc, k), push);
+        solver.indent(tissue.constants, tissue.contact(arc, k), push);
         const EquilibriumDerivative by = solver.derivative(constants_by, stiffness_by);
         const double h = 1e-4;
         for (Eigen::Index p = 0; p < 6; ++p) {
             const auto at = [&](double step) {
                 const Eigen::Vector4d dk = step * stiffness_by.col(p);
-                return solver.press(tissue.constants + step * constants_by.col(p),
+                return solver.indent(tissue.constants + step * constants_by.col(p),
                                     tissue.contact(arc, {k.normal + dk[0], k.tangent + dk[1], k.rotation + dk[2], k.stretch + dk[3]}), push);
             };
             // fourth order: exact to the solver's own rounding
@@ -148,7 +148,7 @@ TEST_CASE("implicit derivatives of force and displacement by constants and conta
 
 TEST_CASE("an indentation without equilibrium has status lost and returns the displacement reached") {
     EquilibriumSolver solver(block().energy, block().surface, {0.25, 1e-2, 15, 1e-10});
-    const EquilibriumState state = solver.press(block().constants, block().contact(0.15), Eigen::Vector2d(0, -0.4));  // four times the block's height
+    const EquilibriumState state = solver.indent(block().constants, block().contact(0.15), Eigen::Vector2d(0, -0.4));  // four times the block's height
     CHECK(state.status == SolverStatus::no_equilibrium);
     CHECK(state.push_m.norm() < 0.4);
     CHECK(state.displacement.allFinite());
@@ -158,7 +158,7 @@ TEST_CASE("an indentation without equilibrium has status lost and returns the di
 TEST_CASE("a displacement of 1e5 node spacings ends within the limit on Newton iterations") {
     constexpr int steps = 2, iterations = 15;
     EquilibriumSolver solver(block().energy, block().surface, {0.25, 1.0 / steps, iterations, 1e-10});
-    const EquilibriumState state = solver.press(block().constants, block().contact(0.15), Eigen::Vector2d(0, 1e3));
+    const EquilibriumState state = solver.indent(block().constants, block().contact(0.15), Eigen::Vector2d(0, 1e3));
     CHECK(state.newton <= steps * iterations);
     CHECK(state.displacement.allFinite());
 }
@@ -170,7 +170,7 @@ TEST_CASE("tissue with almost no shear stiffness has no equilibrium under indent
     for (int s = 0; s < column.mesh.spring_count(); ++s)
         if (column.mesh.nodes(column.mesh.springs(s, 0), 0) == column.mesh.nodes(column.mesh.springs(s, 1), 0)) column.constants[s] = 400;
     EquilibriumSolver solver(column.energy, column.surface);
-    const EquilibriumState state = solver.press(column.constants, column.contact(0.15), Eigen::Vector2d(0, -0.002));
+    const EquilibriumState state = solver.indent(column.constants, column.contact(0.15), Eigen::Vector2d(0, -0.002));
     CHECK(state.status == SolverStatus::no_equilibrium);
 }
 
@@ -183,7 +183,7 @@ TEST_CASE("an indentation that inverts a cell ends with status inside_out instea
         const double arc = 0.1 * surface.outline().length();
         const ContactPatch patch = surface.at(arc);
         const auto pressed = [&](double depth_m) {
-            return solver.press(soft.constants, PatchSpring(patch, soft.patch.at(patch)), depth_m * surface.outline().direction(arc, 0.9));
+            return solver.indent(soft.constants, PatchSpring(patch, soft.patch.at(patch)), depth_m * surface.outline().direction(arc, 0.9));
         };
         const EquilibriumState shallow = pressed(0.01), deep = pressed(0.03);
         CHECK(shallow.status == SolverStatus::converged);
@@ -202,6 +202,6 @@ TEST_CASE("a contact whose nodes are all fixed is refused") {
     for (int node = 0; node < mesh.node_count(); ++node) mesh.fixed.push_back(node);
     const TissueEnergy energy(mesh, false);
     EquilibriumSolver solver(energy, surface);
-    CHECK_THAT(refusal<MismatchError>([&] { solver.press(Eigen::VectorXd::Ones(energy.constant_count()), PatchSpring(surface.at(0.1), {1, 1, 1, 1}), Eigen::Vector2d(0.001, 0)); }),
+    CHECK_THAT(refusal<MismatchError>([&] { solver.indent(Eigen::VectorXd::Ones(energy.constant_count()), PatchSpring(surface.at(0.1), {1, 1, 1, 1}), Eigen::Vector2d(0.001, 0)); }),
                Contains("fixed edge"));
 }

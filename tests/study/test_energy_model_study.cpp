@@ -12,7 +12,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-std::string law_text(const std::string& springs = "", const std::string& training = "") {
+std::string energy_model_text(const std::string& springs = "", const std::string& training = "") {
     const std::string& sets = example_study_text();
     return sets.substr(0, sets.find("[springs]")) +
            "[springs]\ntopology = \"grid8\"\nstiffness = \"law\"\nterms = [\"spring.all\", \"contact.normal\"]\n" + springs +
@@ -32,7 +32,7 @@ std::string quick() {
 
 TEST_CASE("a study has spring sets or an energy model with terms and default values", "[law]") {
     CHECK(example_study().springs.stiffness == "sets");
-    const Study study = example_study(law_text());
+    const Study study = example_study(energy_model_text());
     CHECK(study.springs.is_energy_model());
     CHECK(study.springs.terms == std::vector<std::string>{"spring.all", "contact.normal"});
     CHECK(study.springs.area_cap_E2 == 12);
@@ -40,28 +40,28 @@ TEST_CASE("a study has spring sets or an energy model with terms and default val
     CHECK(study.training.shape_scale == 0.03);
     CHECK(study.training.ridge == 0.1);
     CHECK(study.training.starts == 1);
-    CHECK(example_study(law_text("area_cap_E2 = 6\n", "starts = 3\nridge = 0\n")).training.starts == 3);
+    CHECK(example_study(energy_model_text("area_cap_E2 = 6\n", "starts = 3\nridge = 0\n")).training.starts == 3);
 }
 
 TEST_CASE("keys of spring sets are refused with an energy model and the reverse", "[law]") {
-    CHECK_THAT(said(law_text("law = \"axial\"\n")), Contains("springs.law"));
-    CHECK_THAT(said(law_text("", "optimizer = \"exact\"\n")), Contains("training.optimizer") && Contains("sets"));
-    CHECK_THAT(said(law_text("", "k_min_E2 = 0.05\n")), Contains("training.k_min_E2"));
-    CHECK_THAT(said(law_text("area_cap_E2 = 0.3\n")), Contains("springs.area_cap_E2"));
-    CHECK_THAT(said(law_text("", "force_scale = 0\n")), Contains("training.force_scale"));
-    CHECK_THAT(said(law_text("", "starts = 0\n")), Contains("training.starts"));
-    CHECK_THAT(said(law_text("", "depth = 1\n")), Contains("depth"));
-    CHECK_THAT(said(with(law_text(), "\"contact.normal\"", "\"spring.all\"")), Contains("springs.terms") && Contains("twice"));
-    CHECK_THAT(said(with(law_text(), "grid8", "grid4")), Contains("springs.topology"));
+    CHECK_THAT(said(energy_model_text("law = \"axial\"\n")), Contains("springs.law"));
+    CHECK_THAT(said(energy_model_text("", "optimizer = \"exact\"\n")), Contains("training.optimizer") && Contains("sets"));
+    CHECK_THAT(said(energy_model_text("", "k_min_E2 = 0.05\n")), Contains("training.k_min_E2"));
+    CHECK_THAT(said(energy_model_text("area_cap_E2 = 0.3\n")), Contains("springs.area_cap_E2"));
+    CHECK_THAT(said(energy_model_text("", "force_scale = 0\n")), Contains("training.force_scale"));
+    CHECK_THAT(said(energy_model_text("", "starts = 0\n")), Contains("training.starts"));
+    CHECK_THAT(said(energy_model_text("", "depth = 1\n")), Contains("depth"));
+    CHECK_THAT(said(with(energy_model_text(), "\"contact.normal\"", "\"spring.all\"")), Contains("springs.terms") && Contains("twice"));
+    CHECK_THAT(said(with(energy_model_text(), "grid8", "grid4")), Contains("springs.topology"));
     const std::string& sets = example_study_text();
     CHECK_THAT(said(with(sets, "law = \"axial\"", "law = \"axial\"\nterms = [\"spring.all\"]")), Contains("springs.terms"));
     CHECK_THAT(said(with(sets, "seed = 11", "seed = 11\nforce_scale = 0.01")), Contains("training.force_scale"));
 }
 
 TEST_CASE("a term that is impossible on the study's mesh is refused in planning", "[law]") {
-    const Study study = example_study(with(law_text(), "contact.normal", "contact.twist"));
+    const Study study = example_study(with(energy_model_text(), "contact.normal", "contact.twist"));
     CHECK_THAT(refusal<StudyError>([&] { make_plan(study); }), Contains("springs.terms") && Contains("contact.twist"));
-    CHECK_THAT(make_plan(example_study(law_text())).parts.at("train"), Contains("terms spring.all contact.normal"));
+    CHECK_THAT(make_plan(example_study(energy_model_text())).parts.at("train"), Contains("terms spring.all contact.normal"));
 }
 
 TEST_CASE("an energy model in a derived study drops the keys of spring sets and the reverse", "[law]") {
@@ -74,7 +74,7 @@ TEST_CASE("an energy model in a derived study drops the keys of spring sets and 
     CHECK(trained == 5);
 
     const TemporaryFolder folder;
-    folder.file("base.toml", law_text());
+    folder.file("base.toml", energy_model_text());
     const Study back = read_study(folder.file("sets.toml", "based_on = \"base\"\n[springs]\nstiffness = \"sets\"\nlaw = \"axial\"\n"
                                                            "[training]\noptimizer = \"exact\"\nalso = []\nseed = 1\niterations = 1\nk_min_E2 = 0.05\n"
                                                            "k_max_E2 = 40.0\nweight_near = [1, 1]\nweight_far = [1, 1]\n"));
@@ -122,7 +122,7 @@ TEST_CASE("variants of an energy model replace given keys and keep some contacts
     CHECK_THAT(said_of("area_cap_E2 = 0.1"), Contains("area_cap_E2"));
     CHECK_THAT(said_of("law = \"axial\""), Contains("law"));
     CHECK_THAT(said(example_study_text() + "\n[[variants]]\nname = \"x\"\n"), Contains("variants") && Contains("energy model"));
-    CHECK_THAT(said(law_text() + "\n[[variants]]\nname = \"x\"\n"), Contains("variants") && Contains("loads.sweep"));
+    CHECK_THAT(said(energy_model_text() + "\n[[variants]]\nname = \"x\"\n"), Contains("variants") && Contains("loads.sweep"));
 }
 
 TEST_CASE("the cases of a variant are its training contacts with mirror images and every drawn contact", "[law]") {

@@ -22,12 +22,12 @@ const SpringMesh& block() {
 
 EnergyModelHeuristic heuristic() { return energy_model_heuristic(block(), 450, "plane-strain", 12); }
 
-EnergyModelTerms law_of(const std::vector<std::string>& terms) { return {block(), heuristic(), terms}; }
+EnergyModelTerms energy_model_of(const std::vector<std::string>& terms) { return {block(), heuristic(), terms}; }
 
 /// Logarithm of the constants with a term's coefficient 1, over those with coefficient 0.
 Eigen::VectorXd effect(const SpringMesh& mesh, const std::string& term) {
-    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, 450, "plane-stress", 1e9), {term});
-    return (law.constants(Eigen::VectorXd::Ones(1)).array() / law.constants(Eigen::VectorXd::Zero(1)).array()).log();
+    const EnergyModelTerms model_terms(mesh, energy_model_heuristic(mesh, 450, "plane-stress", 1e9), {term});
+    return (model_terms.constants(Eigen::VectorXd::Ones(1)).array() / model_terms.constants(Eigen::VectorXd::Zero(1)).array()).log();
 }
 
 int spring_between(const SpringMesh& mesh, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -41,8 +41,8 @@ int spring_between(const SpringMesh& mesh, const Eigen::Vector2d& a, const Eigen
 
 TEST_CASE("with zero coefficients springs are 2/3 of Van Gelder's and the first cell has its start value") {
     for (const char* formulation : {"plane-strain", "plane-stress"}) {
-        const EnergyModelTerms law(block(), energy_model_heuristic(block(), 450, formulation, 12), {"spring.all"});
-        const Eigen::VectorXd c = law.constants(Eigen::VectorXd::Zero(1));
+        const EnergyModelTerms model_terms(block(), energy_model_heuristic(block(), 450, formulation, 12), {"spring.all"});
+        const Eigen::VectorXd c = model_terms.constants(Eigen::VectorXd::Zero(1));
         CHECK((c.head(block().spring_count()) - 2.0 / 3 * heuristic_stiffness(block(), 450)).norm() <= tolerance::rounding * c.norm());
         CHECK(c[block().spring_count()] == Approx(std::string(formulation) == "plane-strain" ? 0.95 * 12 * 450 : 150).epsilon(tolerance::rounding));
     }
@@ -80,32 +80,32 @@ TEST_CASE("heuristic springs have shear modulus E2/3 on squares and on equilater
 }
 
 TEST_CASE("constants are positive and cells do not exceed their cap for any coefficients") {
-    const EnergyModelTerms law = law_of({"spring.all", "spring.layer", "cell.all", "cell.y2"});
+    const EnergyModelTerms model_terms = energy_model_of({"spring.all", "spring.layer", "cell.all", "cell.y2"});
     for (double size : {-20.0, -3.0, 3.0, 20.0}) {
-        const Eigen::VectorXd c = law.constants(Eigen::Vector4d(size, -size / 2, size, size / 3));
+        const Eigen::VectorXd c = model_terms.constants(Eigen::Vector4d(size, -size / 2, size, size / 3));
         CHECK(c.minCoeff() > 0);
         CHECK(c.tail(105).maxCoeff() <= 12 * 450);
     }
 }
 
 TEST_CASE("derivatives of constants and contact stiffness by the coefficients agree with finite differences") {
-    const EnergyModelTerms law = law_of({"spring.diagonal.y", "cell.layer", "cell.all", "contact.normal", "contact.normal.phase",
+    const EnergyModelTerms model_terms = energy_model_of({"spring.diagonal.y", "cell.layer", "cell.all", "contact.normal", "contact.normal.phase",
                                   "contact.tangent.corner", "contact.rotation.edge", "contact.stretch"});
     Eigen::VectorXd p(8);
     for (int i = 0; i < 8; ++i) p[i] = 0.3 * std::sin(2.0 * i);
     const ContactSurface surface(block());
     const ContactPatch patch = surface.at(0.0963);
     const auto stiffness = [&](const Eigen::VectorXd& q) {
-        const PatchStiffness k = law.patch(q).at(patch);
+        const PatchStiffness k = model_terms.patch(q).at(patch);
         return Eigen::Vector4d(k.normal, k.tangent, k.rotation, k.stretch);
     };
     const double h = 1e-4;
     for (int t = 0; t < 8; ++t) {
         const Eigen::VectorXd e = h * Eigen::VectorXd::Unit(8, t);
-        const Eigen::VectorXd constants = (law.constants(p + e) - law.constants(p - e)) / (2 * h);
+        const Eigen::VectorXd constants = (model_terms.constants(p + e) - model_terms.constants(p - e)) / (2 * h);
         const Eigen::Vector4d contact = (stiffness(p + e) - stiffness(p - e)) / (2 * h);
-        CHECK((constants - law.constants_by(p).col(t)).norm() <= tolerance::difference * law.constants(p).norm());
-        CHECK((contact - law.stiffness_by(p, ContactParameters::factors_at(patch)).col(t)).norm() <= tolerance::difference * stiffness(p).norm());
+        CHECK((constants - model_terms.constants_by(p).col(t)).norm() <= tolerance::difference * model_terms.constants(p).norm());
+        CHECK((contact - model_terms.stiffness_by(p, ContactParameters::factors_at(patch)).col(t)).norm() <= tolerance::difference * stiffness(p).norm());
     }
 }
 
@@ -155,9 +155,9 @@ TEST_CASE("spring terms are mirror-symmetric on a mirror-symmetric block") {
 
 TEST_CASE("terms without x and y are accepted on a shape that is no block") {
     const SpringMesh mesh = edge_mesh(disc(16));
-    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12),
+    const EnergyModelTerms model_terms(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12),
                         {"spring.all", "spring.surface", "spring.along.layer", "spring.across.layer", "spring.held", "cell.layer", "contact.normal"});
-    CHECK(law.size() == 7);
+    CHECK(model_terms.size() == 7);
     CHECK(effect(mesh, "spring.surface").sum() == Approx(12));  // a quarter of sixteen sides is fixed
 }
 
@@ -175,17 +175,17 @@ TEST_CASE("a modulus per triangle scales the adjacent cells and its maximum sets
 }
 
 TEST_CASE("terms that are unknown or repeated or do not fit the mesh are refused by name") {
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.all", "spring.all"}); }), Contains("spring.all") && Contains("twice"));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"bolt.all"}); }), Contains("bolt.all") && Contains("spring., cell. or contact."));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring"}); }), Contains("spring"));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.shiny"}); }), Contains("spring.shiny") && Contains("layer"));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"cell.along"}); }), Contains("cell.along"));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.x"}); }), Contains("spring.x"));  // not mirror-symmetric
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"spring.diagonal.surface"}); }), Contains("zero everywhere"));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"contact"}); }), Contains("normal, tangent, rotation, stretch"));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"contact.normal.shiny"}); }), Contains("shiny") && Contains("phase"));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"contact.normal."}); }), Contains("phase"));
-    CHECK_THAT(refusal<MismatchError>([] { law_of({"contact.shiny"}); }), Contains("shiny"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"spring.all", "spring.all"}); }), Contains("spring.all") && Contains("twice"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"bolt.all"}); }), Contains("bolt.all") && Contains("spring., cell. or contact."));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"spring"}); }), Contains("spring"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"spring.shiny"}); }), Contains("spring.shiny") && Contains("layer"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"cell.along"}); }), Contains("cell.along"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"spring.x"}); }), Contains("spring.x"));  // not mirror-symmetric
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"spring.diagonal.surface"}); }), Contains("zero everywhere"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"contact"}); }), Contains("normal, tangent, rotation, stretch"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"contact.normal.shiny"}); }), Contains("shiny") && Contains("phase"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"contact.normal."}); }), Contains("phase"));
+    CHECK_THAT(refusal<MismatchError>([] { energy_model_of({"contact.shiny"}); }), Contains("shiny"));
     const SpringMesh shape = edge_mesh(disc(12));
     CHECK_THAT(refusal<MismatchError>([&] { EnergyModelTerms(shape, energy_model_heuristic(shape, 1, "plane-stress", 12), {"spring.diagonal"}); }), Contains("diagonal"));
     CHECK_THAT(refusal<MismatchError>([&] { EnergyModelTerms(shape, heuristic(), {"spring.all"}); }), Contains("mesh"));

@@ -29,7 +29,7 @@ using Catch::Matchers::StartsWith;
 namespace {
 
 /// The example with an energy model and almost no ridge.
-const std::string& law_text() {
+const std::string& energy_model_text() {
     static const std::string text = [] {
         const std::string& sets = example_study_text();
         return with(with(sets.substr(0, sets.find("[springs]")), "plane-stress", "plane-strain"), "kind = \"point\"",
@@ -50,13 +50,13 @@ seed = 11
 Eigen::Vector4d truth() { return {-0.4, 0.3, 0.5, -0.2}; }
 
 /// A reference that is itself such an energy model, with one path that is the mirror image of another.
-Cases law_cases(const Study& study) {
+Cases energy_model_cases(const Study& study) {
     const SpringMesh mesh = make_lattice("grid8", study.cells[0], study.cells[1], study.geometry.width_m, study.geometry.height_m);
-    const EnergyModelTerms law = study_energy_model(study, {}, mesh);
+    const EnergyModelTerms model_terms = study_energy_model(study, {}, mesh);
     TissueModel tissue;
     tissue.mesh = mesh;
-    tissue.energy_model = {law.terms(), truth(), law.constants(truth()), law.patch(truth()), law.incompressible()};
-    const IndentationSolver press(tissue);
+    tissue.energy_model = {model_terms.terms(), truth(), model_terms.constants(truth()), model_terms.patch(truth()), model_terms.incompressible()};
+    const IndentationSolver solver(tissue);
     const Outline outline(mesh);
     Cases cases{study.name, mesh.nodes, {}, study.loads.magnitudes_m, {}};
     for (const StudyPath& p : study.loads.paths) {
@@ -67,7 +67,7 @@ Cases law_cases(const Study& study) {
         path.depth_m = study.loads.depth_m();
         for (int r = 0; r <= study.loads.records(); ++r) {
             const double s = r * study.loads.record_step_m;
-            const Equilibrium state = press.at(p.contact_m, s * p.direction);
+            const Equilibrium state = solver.at(p.contact_m, s * p.direction);
             REQUIRE(state);
             path.records.push_back({s, state.displacement, NodeField::Zero(mesh.node_count(), 2), state.contact_force, Eigen::Vector2d(0, 0), 0, 1, 1, 0});
         }
@@ -77,11 +77,11 @@ Cases law_cases(const Study& study) {
     return cases;
 }
 
-const std::string& law_file() {
+const std::string& energy_model_file() {
     static const TemporaryFolder folder;
     static const std::string file = [] {
-        const Study study = example_study(law_text());
-        write_trained_model(folder.file("model.h5"), train_law_model(study, law_cases(study), 1), {"tissuectl test", 11, {}});
+        const Study study = example_study(energy_model_text());
+        write_trained_model(folder.file("model.h5"), train_study_model(study, energy_model_cases(study), 1), {"tissuectl test", 11, {}});
         return folder.file("model.h5");
     }();
     return file;
@@ -91,7 +91,7 @@ const std::string& law_file() {
 const std::string& relaxing_file() {
     static const TemporaryFolder folder;
     static const std::string file = [] {
-        TrainedModel model = read_trained_model(law_file());
+        TrainedModel model = read_trained_model(energy_model_file());
         Relaxation& r = model.energy_model->relaxation;
         r.tau_s = Eigen::Vector3d(0.05, 1, 10);
         r.contact_share = Eigen::Vector3d(0.30, 0.25, 0.20);
@@ -106,13 +106,13 @@ const std::string& relaxing_file() {
 }  // namespace
 
 TEST_CASE("training recovers the parameters of a reference and counts mirror images once", "[law]") {
-    const Study study = example_study(law_text());
-    const Cases cases = law_cases(study);
-    const TrainedModel model = train_law_model(study, cases, 2);
+    const Study study = example_study(energy_model_text());
+    const Cases cases = energy_model_cases(study);
+    const TrainedModel model = train_study_model(study, cases, 2);
     REQUIRE(model.energy_model);
     CHECK((model.energy_model->coefficients - truth()).norm() < 1e-3);
-    CHECK(model.books.law->paths == 2);
-    CHECK(model.books.law->records == 4);
+    CHECK(model.books.energy_model->paths == 2);
+    CHECK(model.books.energy_model->records == 4);
     CHECK(model.case_count() == 6);  // the mirror image is a load case without new data for an energy model
     CHECK(endings_of(model.books).broken.empty());
 
@@ -159,18 +159,18 @@ TEST_CASE("training recovers the parameters of a reference and counts mirror ima
 }
 
 TEST_CASE("the factor of a term in the report is the ratio of constants to heuristic below the cap", "[law]") {
-    std::string text = law_text();
+    std::string text = energy_model_text();
     const std::size_t from = text.find("terms = ["), to = text.find("]", from);
     const Study study = example_study(text.replace(from, to + 1 - from, "terms = [\"cell.all\"]"));
-    const Cases cases = law_cases(example_study(law_text()));
-    TrainedModel model = train_law_model(study, cases, 1);
-    const EnergyModelTerms law = study_energy_model(study, {}, model.mesh);
+    const Cases cases = energy_model_cases(example_study(energy_model_text()));
+    TrainedModel model = train_study_model(study, cases, 1);
+    const EnergyModelTerms model_terms = study_energy_model(study, {}, model.mesh);
     model.energy_model->coefficients = Eigen::VectorXd::Constant(1, -4.069);
-    model.energy_model->constants = law.constants(model.energy_model->coefficients);
+    model.energy_model->constants = model_terms.constants(model.energy_model->coefficients);
     const Eigen::Index cell = model.mesh.spring_count(), last = cell + 15;  // of 4 x 4 cells
-    const double p = model.energy_model->coefficients[0], factor = model.energy_model->constants[cell] / model.books.law->untrained_constants[cell];
+    const double p = model.energy_model->coefficients[0], factor = model.energy_model->constants[cell] / model.books.energy_model->untrained_constants[cell];
     CHECK(factor == Approx(0.258).epsilon(0.01));  // exp(p) is 0.0171
-    CHECK(model.energy_model->constants[last] / model.books.law->untrained_constants[last] == Approx(factor));
+    CHECK(model.energy_model->constants[last] / model.books.energy_model->untrained_constants[last] == Approx(factor));
     CHECK_THAT(to_markdown(evaluate(model, cases, 0, 0, 1)), Contains(fmt::format("| cell.all | {:.3f} | {:.3g} |", p, factor)));
 
     TrainedModel stress = model;  // the distance of its cells from the cap at the start is not known
@@ -184,26 +184,26 @@ TEST_CASE("training on forces recovers the constants of a model three times stif
     const Study study = measured_study();
     const SpringMesh mesh = measured_mesh();
     constexpr double stiffer = 3;  // than the material of the study
-    const EnergyModelTerms law = study_energy_model(study, {}, mesh, stiffer);
+    const EnergyModelTerms model_terms = study_energy_model(study, {}, mesh, stiffer);
     Eigen::VectorXd p(7);
     p << -0.2, 0.3, 0.4, 0.5, -0.3, 0.6, -0.4;
     TissueModel tissue;
     tissue.mesh = mesh;
-    tissue.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
-    const IndentationSolver press(tissue);
+    tissue.energy_model = {model_terms.terms(), p, model_terms.constants(p), model_terms.patch(p), model_terms.incompressible()};
+    const IndentationSolver solver(tissue);
     const Outline outline(mesh);
     MeasuredTable table{"data.csv", "made up", {}};
     for (double arc = 0.013; arc < outline.length() - 0.01; arc += 0.0137)
         for (double angle : {-0.6, 0.0, 0.6})
             for (double depth : {0.003, 0.008}) {
                 const Eigen::Vector2d push = depth * outline.direction(arc, angle);
-                const Equilibrium state = press.at(outline.position(arc), push);
+                const Equilibrium state = solver.at(outline.position(arc), push);
                 REQUIRE(state);
                 table.rows.push_back({static_cast<int>(table.rows.size()) + 2, outline.position(arc), push, state.contact_force, "", ""});
             }
     const Cases cases = measured_cases(study, table);
-    const TrainedModel model = train_law_model(study, cases, 2);
-    CHECK(model.books.law->factor == Approx(stiffer).epsilon(0.3));  // relative to the untrained heuristic
+    const TrainedModel model = train_study_model(study, cases, 2);
+    CHECK(model.books.energy_model->factor == Approx(stiffer).epsilon(0.3));  // relative to the untrained heuristic
     CHECK(((model.energy_model->constants - tissue.energy_model->constants).array() / tissue.energy_model->constants.array()).abs().maxCoeff() < 1e-3);
     CHECK((model.energy_model->patch.log_N_m - tissue.energy_model->patch.log_N_m).cwiseAbs().maxCoeff() < 1e-3);
 
@@ -228,7 +228,7 @@ TEST_CASE("training on forces recovers the constants of a model three times stif
         CHECK(at_rest.model("learned").closed_loop().force.max < 1e-4);
         CHECK_THAT(to_markdown(at_rest), Contains("The measurements are of tissue at rest"));
     };
-    const TrainedModel grown = train_law_model(relaxing("[{ g = 0.2, tau_s = 0.5 }, { g = 0.3, tau_s = 5 }]"), cases, 2);
+    const TrainedModel grown = train_study_model(relaxing("[{ g = 0.2, tau_s = 0.5 }, { g = 0.3, tau_s = 5 }]"), cases, 2);
     fits_its_readings(grown);
     const TemporaryFolder folder;
     write_trained_model(folder.file("model.h5"), grown, {"tissuectl test", 11, {}});
@@ -247,24 +247,24 @@ TEST_CASE("training on forces recovers the constants of a model three times stif
     NodeField now = NodeField::Zero(81, 2);
     for (Eigen::Index n = 1; n < 81; ++n) {
         h.push_m.row(n) = std::min(0.006, 0.015 * h.time_s[n]) * h.direction.transpose();
-        now.row(n) = 2 * press.at(h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
+        now.row(n) = 2 * solver.at(h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
     }
     h.force_N = relaxed(h.time_s, now, Eigen::Vector2d(0.5, 5), Eigen::Vector2d(0.2, 0.3));
     in_time.histories = {h};
-    const TrainedModel fitted = train_law_model(relaxing("[{ tau_s = 0.5 }, { tau_s = 5 }, { tau_s = 50 }]"), in_time, 2);
+    const TrainedModel fitted = train_study_model(relaxing("[{ tau_s = 0.5 }, { tau_s = 5 }, { tau_s = 50 }]"), in_time, 2);
     fits_its_readings(fitted);
     CHECK(fitted.energy_model->relaxation.branches() == 2);  // one branch is not needed
     CHECK((fitted.energy_model->relaxation.contact_share - Eigen::Vector2d(0.2, 0.3)).norm() < 1e-3);
     CHECK((fitted.energy_model->constants - given.constants).norm() < 2e-3 * given.constants.norm());
-    CHECK(fitted.books.law->shares->histories == 1);
-    CHECK(fitted.books.law->shares->status == "converged");
+    CHECK(fitted.books.energy_model->shares->histories == 1);
+    CHECK(fitted.books.energy_model->shares->status == "converged");
     in_time.histories.front().role = "held_out";
     CHECK_THAT(to_markdown(evaluate(fitted, in_time, 0, 0, 1)), Contains("Maxwell branches fitted to 1 measured histories, converged") && Contains("compared with the measured force, noise included") && !Contains("prony"));
 
     // measurements before relaxation are compared with the instantaneous model, whatever its branches
     const Study at_once = example_study(with(with(measured_study_text(), "[material]\n", "[material]\nmoduli = \"instantaneous\"\nviscosity = [{ g = 0.5, tau_s = 1 }]\n"),
                                              "seed = 8\n", "seed = 8\nhistories = \"h.csv\"\n"));
-    const Evaluation quick = evaluate(train_law_model(at_once, cases, 2), cases, 0, 0, 1);
+    const Evaluation quick = evaluate(train_study_model(at_once, cases, 2), cases, 0, 0, 1);
     CHECK(quick.held_out.role("held_out")->statistics(0).force.max < 1e-4);
     CHECK_THAT(to_markdown(quick), !Contains("of tissue at rest"));
 
@@ -276,30 +276,30 @@ TEST_CASE("training on forces recovers the constants of a model three times stif
 }
 
 TEST_CASE("an energy model is read back unchanged from a file of a later format version", "[law]") {
-    const Study study = example_study(law_text());
-    const TrainedModel a = train_law_model(study, law_cases(study), 1), b = read_trained_model(law_file());
+    const Study study = example_study(energy_model_text());
+    const TrainedModel a = train_study_model(study, energy_model_cases(study), 1), b = read_trained_model(energy_model_file());
     REQUIRE(b.energy_model);
     CHECK(b.energy_model->terms == a.energy_model->terms);
     CHECK(b.energy_model->coefficients == a.energy_model->coefficients);
     CHECK(b.energy_model->constants == a.energy_model->constants);
     CHECK(b.energy_model->patch.log_N_m == a.energy_model->patch.log_N_m);
     CHECK(b.energy_model->incompressible);
-    CHECK(b.books.law->status == a.books.law->status);
-    CHECK(b.books.law->objective == a.books.law->objective);
-    CHECK(b.books.law->gradient == a.books.law->gradient);
-    CHECK(b.books.law->kept == 0);
-    CHECK(Hdf5Reader(law_file(), "model").number_attribute("/", "format_version") == law_format_version);
-    CHECK(law_format_version > format_version);
+    CHECK(b.books.energy_model->status == a.books.energy_model->status);
+    CHECK(b.books.energy_model->objective == a.books.energy_model->objective);
+    CHECK(b.books.energy_model->gradient == a.books.energy_model->gradient);
+    CHECK(b.books.energy_model->kept == 0);
+    CHECK(Hdf5Reader(energy_model_file(), "model").number_attribute("/", "format_version") == energy_model_format_version);
+    CHECK(energy_model_format_version > format_version);
 }
 
 TEST_CASE("a relaxing energy model is read back unchanged from a file of a later format version", "[law][memory]") {
-    const EnergyModel law = *read_model(relaxing_file()).energy_model;
-    CHECK(law.relaxation.tau_s == Eigen::Vector3d(0.05, 1, 10));
-    CHECK(law.relaxation.share.rows() == law.constants.size());
-    CHECK(law.relaxation.share(7, 1) == 0);
-    CHECK(law.relaxation.share(7, 2) == 0.1);
-    CHECK(law.relaxation.contact_share == Eigen::Vector3d(0.30, 0.25, 0.20));
-    CHECK(read_model(law_file()).energy_model->relaxation.empty());
+    const EnergyModel energy_model = *read_model(relaxing_file()).energy_model;
+    CHECK(energy_model.relaxation.tau_s == Eigen::Vector3d(0.05, 1, 10));
+    CHECK(energy_model.relaxation.share.rows() == energy_model.constants.size());
+    CHECK(energy_model.relaxation.share(7, 1) == 0);
+    CHECK(energy_model.relaxation.share(7, 2) == 0.1);
+    CHECK(energy_model.relaxation.contact_share == Eigen::Vector3d(0.30, 0.25, 0.20));
+    CHECK(read_model(energy_model_file()).energy_model->relaxation.empty());
     CHECK(Hdf5Reader(relaxing_file(), "model").number_attribute("/", "format_version") == time_format_version);
     CHECK(time_format_version > solid_format_version);
 
@@ -319,9 +319,9 @@ TEST_CASE("a relaxing energy model is read back unchanged from a file of a later
 }
 
 TEST_CASE("read_model gives the constants of an energy model and no spring sets", "[law]") {
-    const TissueModel model = read_model(law_file());
+    const TissueModel model = read_model(energy_model_file());
     REQUIRE(model.energy_model);
-    CHECK(model.energy_model->constants == read_trained_model(law_file()).energy_model->constants);
+    CHECK(model.energy_model->constants == read_trained_model(energy_model_file()).energy_model->constants);
     CHECK(model.trained.empty());
 }
 
@@ -331,7 +331,7 @@ const std::string& whole_file() {
     static const std::string file = [] {
         TrainedModel model = read_trained_model(relaxing_file());
         model.energy_model->contact_log_scale = Eigen::VectorXd::Constant(model.mesh.node_count(), 0.2);
-        model.books.law->shares = {3, 1e-12, 0.04, 1.5, "converged"};
+        model.books.energy_model->shares = {3, 1e-12, 0.04, 1.5, "converged"};
         write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
         return folder.file("model.h5");
     }();
@@ -342,7 +342,7 @@ TEST_CASE("every dataset of an energy model has a rule and alterations are refus
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     int refused = 0;
-    for (const DatasetTable* table : {&law_table(), &law_books_table()}) {
+    for (const DatasetTable* table : {&energy_model_table(), &energy_model_diagnostics_table()}) {
         CHECK(datasets_of(whole_file(), *table).size() == table->size());
         for (const auto& [dataset, rule] : datasets_of(whole_file(), *table))
             for (const Mutation& mutation : mutations(whole_file(), dataset, *table)) {
@@ -360,35 +360,35 @@ TEST_CASE("every dataset of an energy model has a rule and alterations are refus
             }
     }
     CHECK(refused > 40);
-    const EnergyModelDiagnostics::Shares shares = *read_trained_model(whole_file()).books.law->shares;
+    const EnergyModelDiagnostics::Shares shares = *read_trained_model(whole_file()).books.energy_model->shares;
     CHECK(shares.histories == 3);
     CHECK(shares.misfit == 0.04);
     CHECK(shares.grown == 1.5);
     CHECK(shares.status == "converged");
-    CHECK_FALSE(read_trained_model(relaxing_file()).books.law->shares);
+    CHECK_FALSE(read_trained_model(relaxing_file()).books.energy_model->shares);
 }
 
 TEST_CASE("a fit that misses its tolerances or an equilibrium is reported as broken", "[law][endings]") {
-    EnergyModelDiagnostics book = *read_trained_model(law_file()).books.law;
-    CHECK(endings_of(book).broken.empty());
-    book.lost = {"left at 8 mm: lost at 5 mm"};
-    CHECK_THAT(endings_of(book).broken.at(0), Contains("of 4 load cases 1"));
-    book.lost.clear();
+    EnergyModelDiagnostics diagnostics = *read_trained_model(energy_model_file()).books.energy_model;
+    CHECK(endings_of(diagnostics).broken.empty());
+    diagnostics.lost = {"left at 8 mm: lost at 5 mm"};
+    CHECK_THAT(endings_of(diagnostics).broken.at(0), Contains("of 4 load cases 1"));
+    diagnostics.lost.clear();
     for (const char* word : {"no_progress", "held_back", "iterations_done"}) {
-        book.status = {word};
-        CHECK_THAT(endings_of(book).broken.at(0), Contains(word));
+        diagnostics.status = {word};
+        CHECK_THAT(endings_of(diagnostics).broken.at(0), Contains(word));
     }
 }
 
 TEST_CASE("training spring sets in a study with an energy model is refused and the reverse", "[law]") {
-    const Study law = example_study(law_text()), sets = example_study();
-    CHECK_THAT(refusal<MismatchError>([&] { train_sets(law, law_cases(law), 1); }), Contains("has an energy model"));
-    CHECK_THAT(refusal<MismatchError>([&] { train_law_model(sets, law_cases(law), 1); }), Contains("has spring sets"));
+    const Study law = example_study(energy_model_text()), sets = example_study();
+    CHECK_THAT(refusal<MismatchError>([&] { train_sets(law, energy_model_cases(law), 1); }), Contains("has an energy model"));
+    CHECK_THAT(refusal<MismatchError>([&] { train_study_model(sets, energy_model_cases(law), 1); }), Contains("has spring sets"));
 }
 
 TEST_CASE("an energy model whose number of constants does not match its mesh is refused", "[law]") {
     const TemporaryFolder folder;
-    TrainedModel model = read_trained_model(law_file());
+    TrainedModel model = read_trained_model(energy_model_file());
     model.energy_model->constants.conservativeResize(model.energy_model->constants.size() - 1);
     write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
     CHECK_THAT(refusal<FileError>([&] { read_trained_model(folder.file("model.h5")); }), Contains("/law/constants"));
@@ -396,18 +396,18 @@ TEST_CASE("an energy model whose number of constants does not match its mesh is 
 
 TEST_CASE("a factor of the heuristic that is no positive number is refused", "[law]") {
     const TemporaryFolder folder;
-    TrainedModel model = read_trained_model(law_file());
-    CHECK(model.books.law->factor == 1);  // with an FE reference the material is known
+    TrainedModel model = read_trained_model(energy_model_file());
+    CHECK(model.books.energy_model->factor == 1);  // with an FE reference the material is known
     for (double factor : {0.0, -1.0, std::nan("")}) {
-        model.books.law->factor = factor;
+        model.books.energy_model->factor = factor;
         write_trained_model(folder.file("model.h5"), model, {"tissuectl test", 11, {}});
         CHECK_THAT(refusal<FileError>([&] { read_trained_model(folder.file("model.h5")); }), Contains("'factor'"));
     }
 }
 
 TEST_CASE("training without any FE solution is refused with place and depth and cause of three paths", "[law]") {
-    const Study study = example_study(law_text());
-    Cases cases = law_cases(study);
+    const Study study = example_study(energy_model_text());
+    Cases cases = energy_model_cases(study);
     const LoadPath one = cases.paths[0];
     cases.paths.clear();
     for (int i = 0; i < 5; ++i) {
@@ -417,28 +417,28 @@ TEST_CASE("training without any FE solution is refused with place and depth and 
         path.records.resize(1);  // at rest
     }
     const std::string third = fmt::format("p2 at ({:.4g}, {:.4g}) mm, 8 mm deep: no equilibrium beyond 0.5 mm;", 1e3 * one.contact_m.x(), 1e3 * one.contact_m.y());
-    for (const std::string& why : {refusal<MismatchError>([&] { train_law_model(study, cases, 1); }), refusal<MismatchError>([&] { train_sets(example_study(), cases, 1); })}) {
+    for (const std::string& why : {refusal<MismatchError>([&] { train_study_model(study, cases, 1); }), refusal<MismatchError>([&] { train_sets(example_study(), cases, 1); })}) {
         CHECK_THAT(why, Contains("study 'example': none of its 5 training paths has an FE reference") && Contains(third) && Contains("and 2 more"));
         CHECK_THAT(why, !Contains("p3") && !Contains("and more"));
     }
     cases.paths.clear();
-    CHECK_THAT(refusal<MismatchError>([&] { train_law_model(study, cases, 1); }), Contains("no training path"));
+    CHECK_THAT(refusal<MismatchError>([&] { train_study_model(study, cases, 1); }), Contains("no training path"));
 }
 
 TEST_CASE("a baseline without any answer is missing in every table and the evaluation continues", "[law]") {
-    const Study study = example_study(law_text());
-    Cases cases = law_cases(study);
-    TrainedModel model = read_trained_model(law_file());
+    const Study study = example_study(energy_model_text());
+    Cases cases = energy_model_cases(study);
+    TrainedModel model = read_trained_model(energy_model_file());
     // axial springs alone have shear modes of zero energy; the cells of the model stabilise them
     const SpringMesh axes = make_lattice("grid4", study.cells[0], study.cells[1], study.geometry.width_m, study.geometry.height_m);
-    const EnergyModelTerms law(axes, energy_model_heuristic(axes, 450, "plane-strain", 12), {"spring.all"});
+    const EnergyModelTerms model_terms(axes, energy_model_heuristic(axes, 450, "plane-strain", 12), {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
     model.mesh = axes;
     model.law = "axial";
     model.heuristic_a = model.heuristic_b = heuristic_stiffness(axes, 450);
-    model.energy_model = EnergyModel{law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
-    model.books.law->untrained_constants = law.constants(p);
-    model.books.law->untrained_patch = law.patch(p);
+    model.energy_model = EnergyModel{model_terms.terms(), p, model_terms.constants(p), model_terms.patch(p), model_terms.incompressible()};
+    model.books.energy_model->untrained_constants = model_terms.constants(p);
+    model.books.energy_model->untrained_patch = model_terms.patch(p);
     const Evaluation e = evaluate(model, cases, 0, 0, 1);
     CHECK(e.uniform_chosen_on == "modulus");
     CHECK(e.uniform_N_m == model.modulus_N_m);

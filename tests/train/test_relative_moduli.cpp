@@ -32,13 +32,13 @@ Ramp ramp(const TissueModel& model, double rise_s) {
     h.push_m = NodeField::Zero(121, 2);
     h.contact.assign(121, 1);
     r.now = NodeField::Zero(121, 2);
-    const IndentationSolver press(model);
+    const IndentationSolver solver(model);
     for (Eigen::Index n = 1; n < 121; ++n) {
         h.push_m(n, 1) = -0.008 * std::min(1.0, h.time_s[n] / rise_s);
         if (h.push_m.row(n) == h.push_m.row(n - 1))
             r.now.row(n) = r.now.row(n - 1);
         else
-            r.now.row(n) = press.at(h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
+            r.now.row(n) = solver.at(h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
     }
     return r;
 }
@@ -55,7 +55,7 @@ History measured(const Ramp& ramp, const Eigen::VectorXd& tau_s, const Eigen::Ve
 }  // namespace
 
 TEST_CASE("relative moduli are recovered from two ramps to rounding and with 2 % noise to 0.05", "[shares]") {
-    const TissueModel model = law_example();
+    const TissueModel model = energy_model_example();
     const Eigen::VectorXd tau = Eigen::Vector3d(0.3, 1.5, 8);
     const Eigen::VectorXd share = Eigen::Vector3d(0.35, 0, 0.25);
     const Ramp quick = ramp(model, 0.5), slow = ramp(model, 5);
@@ -76,9 +76,9 @@ TEST_CASE("relative moduli are recovered from two ramps to rounding and with 2 %
 }
 
 TEST_CASE("equal displacements at two contacts are distinguished in the fit of relative moduli", "[shares]") {
-    const TissueModel model = law_example();
+    const TissueModel model = energy_model_example();
     const Eigen::VectorXd tau = Eigen::VectorXd::Constant(1, 1.5), share = Eigen::VectorXd::Constant(1, 0.35);
-    const IndentationSolver press(model);
+    const IndentationSolver solver(model);
     Ramp r;
     History& h = r.course;
     h.name = "there and back";
@@ -93,14 +93,14 @@ TEST_CASE("equal displacements at two contacts are distinguished in the fit of r
     r.now = NodeField::Zero(10, 2);
     for (Eigen::Index n = 0; n < 10; ++n)
         if (const int where = h.contact[static_cast<std::size_t>(n)]; where != 0)
-            r.now.row(n) = press.at(where == 2 ? *h.second_contact_m : h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
+            r.now.row(n) = solver.at(where == 2 ? *h.second_contact_m : h.contact_m, h.push_m.row(n).transpose()).contact_force.transpose();
     const FittedModuli fitted = fit_relative_moduli(model, {measured(r, tau, share, 0, 1)}, "train", tau, 1);
     CHECK((fitted.share - share).norm() < 1e-8);
     CHECK(fitted.misfit < 1e-8);
 }
 
 TEST_CASE("relative moduli of tissue without long-term stiffness are bounded to a sum of 0.98", "[shares]") {
-    const TissueModel model = law_example();
+    const TissueModel model = energy_model_example();
     // no long-term stiffness
     const Eigen::VectorXd tau = Eigen::Vector3d(0.3, 1.5, 8), share = Eigen::Vector3d(0.5, 0.2, 0.3);
     const FittedModuli fitted = fit_relative_moduli(model, {measured(ramp(model, 0.5), tau, share, 0, 1), measured(ramp(model, 5), tau, share, 0, 2)}, "train", tau, 2);
@@ -112,7 +112,7 @@ TEST_CASE("relative moduli of tissue without long-term stiffness are bounded to 
 }
 
 TEST_CASE("a fit to a long-term model gives its relative moduli and its factor to the instantaneous model", "[shares]") {
-    const TissueModel at_once = law_example();
+    const TissueModel at_once = energy_model_example();
     const Eigen::VectorXd tau = Eigen::Vector3d(0.3, 1.5, 8), share = Eigen::Vector3d(0.35, 0, 0.25);
     const std::vector<History> histories = {measured(ramp(at_once, 0.5), tau, share, 0, 1), measured(ramp(at_once, 5), tau, share, 0, 2)};
     TissueModel left = at_once;
@@ -141,7 +141,7 @@ TEST_CASE("unknown relaxation times span twice the time step to the longest hist
 }
 
 TEST_CASE("relative moduli from two ramps with 2 % noise predict another trajectory within 3 %", "[shares][long]") {
-    const TissueModel model = law_example();
+    const TissueModel model = energy_model_example();
     const Eigen::VectorXd tau = Eigen::Vector3d(0.2, 1, 10), share = Eigen::Vector3d(0.3, 0.25, 0.2);
     // another trajectory: ramp, hold, partial release, hold
     const Ramp quick = ramp(model, 0.3), slow = ramp(model, 5);
@@ -170,7 +170,7 @@ TEST_CASE("relative moduli from two ramps with 2 % noise predict another traject
 }
 
 TEST_CASE("a fit of relative moduli without histories or energy model is refused", "[shares]") {
-    const TissueModel model = law_example();
+    const TissueModel model = energy_model_example();
     const Eigen::VectorXd tau = Eigen::Vector2d(0.3, 3);
     CHECK_THAT(refusal<MismatchError>([&] { fit_relative_moduli(model, {}, "train", tau, 1); }), Contains("no displacement history"));
     const std::vector<History> histories = {measured(ramp(model, 0.5), tau, Eigen::Vector2d(0.2, 0.2), 0, 1)};

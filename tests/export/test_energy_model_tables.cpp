@@ -15,14 +15,14 @@
 #include "springs/contact_spring.h"
 #include "springs/energy_model_terms.h"
 #include "springs/energy_model_at_radius.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 #include "springs/indentation_solver.h"
 #include "../example.h"
 #include "../mesh/disc.h"
 #include "../mesh/dome.h"
 #include "../springs/several_discs.h"
 #include "../refusal.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "../tolerances.h"
 
 using namespace tissue;
@@ -32,12 +32,12 @@ using Catch::Matchers::StartsWith;
 
 namespace {
 
-TissueModel law_model(const SpringMesh& mesh) {
-    const EnergyModelTerms law(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12), {"spring.surface", "cell.layer", "contact.normal.phase"});
+TissueModel plane_model(const SpringMesh& mesh) {
+    const EnergyModelTerms model_terms(mesh, energy_model_heuristic(mesh, 450, "plane-strain", 12), {"spring.surface", "cell.layer", "contact.normal.phase"});
     const Eigen::Vector3d p(0.4, -0.3, 0.5);
     TissueModel model;
     model.mesh = mesh;
-    model.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible()};
+    model.energy_model = {model_terms.terms(), p, model_terms.constants(p), model_terms.patch(p), model_terms.incompressible()};
     const Outline outline(mesh);
     model.case_names = {"first", "second"};
     model.node_mass_kg = Eigen::VectorXd::Ones(mesh.node_count());
@@ -53,7 +53,7 @@ TissueModel law_model(const SpringMesh& mesh) {
 }
 
 /// sum A V (J - 1)^2 / 2, with J of the trilinear map's gradient at the point `at` of each cell.
-double cells_energy(const SpringMesh& mesh, const SolidLawTables& t, const NodeField& u) {
+double cells_energy(const SpringMesh& mesh, const SolidModelTables& t, const NodeField& u) {
     double W = 0;
     for (Eigen::Index c = 0; c < t.cells.rows(); ++c) {
         Eigen::Matrix3d before = Eigen::Matrix3d::Zero(), after = before;
@@ -73,8 +73,8 @@ double cells_energy(const SpringMesh& mesh, const SolidLawTables& t, const NodeF
 
 TEST_CASE("exported tables reproduce the strain energy of a model on a block and on a shape", "[export][law]") {
     for (const SpringMesh& mesh : {make_lattice("grid8", 6, 5, 0.1, 0.1), edge_mesh(disc(12))}) {
-        const TissueModel model = law_model(mesh);
-        const LawTables t = law_tables(model);
+        const TissueModel model = plane_model(mesh);
+        const EnergyModelTables t = energy_model_tables(model);
         const NodeField u = scattered(mesh, 0.003), x = mesh.nodes + u;
         Eigen::VectorXd area = Eigen::VectorXd::Zero(t.area_m2.size());
         for (std::size_t k = 0; k < t.edge_area.size(); ++k) {
@@ -92,8 +92,8 @@ TEST_CASE("exported tables reproduce the strain energy of a model on a block and
 }
 
 TEST_CASE("indented load cases are exported all or one by name and their forces balance", "[export][law]") {
-    const TissueModel model = law_model(make_lattice("grid8", 6, 5, 0.1, 0.1));
-    const std::vector<PressedCase> all = pressed_cases(model, ""), second = pressed_cases(model, "second");
+    const TissueModel model = plane_model(make_lattice("grid8", 6, 5, 0.1, 0.1));
+    const std::vector<IndentationOfCase> all = indentations_of_cases(model, ""), second = indentations_of_cases(model, "second");
     REQUIRE(all.size() == 2);
     REQUIRE(second.size() == 1);
     CHECK(second[0].load_case == 1);
@@ -101,13 +101,13 @@ TEST_CASE("indented load cases are exported all or one by name and their forces 
     CHECK(all[1].push_m.norm() == Approx(0.006));
     // the forces of supports and tool balance
     CHECK((all[0].force_N.colwise().sum()).norm() <= tolerance::newton * all[0].force_N.norm());
-    CHECK_THAT(refusal<MismatchError>([&] { pressed_cases(model, "third"); }), Contains("'third'") && Contains("such as first"));
+    CHECK_THAT(refusal<MismatchError>([&] { indentations_of_cases(model, "third"); }), Contains("'third'") && Contains("such as first"));
 }
 
 TEST_CASE("exported tables in space reproduce the strain energy and the contact energy of a model", "[export][solid]") {
     const TissueModel model = solid_example();
     const SpringMesh& mesh = model.mesh;
-    const SolidLawTables t = solid_law_tables(model);
+    const SolidModelTables t = solid_model_tables(model);
     const NodeField u = scattered(mesh, 0.002), x = mesh.nodes + u;
     double W = 0;
     for (int s = 0; s < mesh.spring_count(); ++s)
@@ -137,7 +137,7 @@ TEST_CASE("exported tables in space reproduce the strain energy and the contact 
 
 TEST_CASE("each exported load case is indented by its own disc", "[export][solid]") {
     const TissueModel model = several_discs();
-    const std::vector<PressedCase> cases = pressed_cases(model, "");
+    const std::vector<IndentationOfCase> cases = indentations_of_cases(model, "");
     REQUIRE(cases.size() == 1);
     const Point contact_m = model.contact_m.row(0).transpose();
     const EnergyModel small = energy_model_at_radius(*model.energy_model, 0.004);
@@ -170,9 +170,9 @@ TEST_CASE("each exported load case is indented by its own disc", "[export][solid
 
 TEST_CASE("adapted contacts of a model in space are exported", "[export][solid]") {
     TissueModel model = solid_example();
-    CHECK(csv_files(model, pressed_cases(model, "")).count("surface.csv") == 0);
+    CHECK(csv_files(model, indentations_of_cases(model, "")).count("surface.csv") == 0);
     model.energy_model->contact_log_scale = Eigen::VectorXd::LinSpaced(model.mesh.node_count(), 0, 0.25);
-    CHECK_THAT(csv_files(model, pressed_cases(model, "")).at("surface.csv"), StartsWith("node,contact_log_scale\n0,0\n") && EndsWith(fmt::format("{},0.25\n", model.mesh.node_count() - 1)));
+    CHECK_THAT(csv_files(model, indentations_of_cases(model, "")).at("surface.csv"), StartsWith("node,contact_log_scale\n0,0\n") && EndsWith(fmt::format("{},0.25\n", model.mesh.node_count() - 1)));
 }
 
 TEST_CASE("a model whose contact hardens in compression alone has its own format version and is read back", "[export][solid]") {
@@ -221,10 +221,10 @@ TEST_CASE("inclusion points of a model in space are read back from model.h5", "[
 
 TEST_CASE("exported load cases in space have no arc length and their forces balance the supports", "[export][solid]") {
     const TissueModel model = solid_example();
-    const std::vector<PressedCase> cases = pressed_cases(model, "");
-    const SolidLawTables t = solid_law_tables(model);
+    const std::vector<IndentationOfCase> cases = indentations_of_cases(model, "");
+    const SolidModelTables t = solid_model_tables(model);
     REQUIRE(cases.size() == 2);
-    for (const PressedCase& c : cases) {
+    for (const IndentationOfCase& c : cases) {
         REQUIRE(c.state);
         CHECK_FALSE(c.arc_m);
         CHECK(c.push_m.norm() == Approx(model.magnitude_m[c.load_case]));
@@ -235,9 +235,9 @@ TEST_CASE("exported load cases in space have no arc length and their forces bala
 }
 
 TEST_CASE("exported tables of an embedded lattice reproduce the energy of springs and cells and supports", "[export][solid_shape]") {
-    const TissueModel model = solid_law_example(embedded_lattice(dome(4), 0.011));
+    const TissueModel model = solid_model_example(embedded_lattice(dome(4), 0.011));
     const SpringMesh& mesh = model.mesh;
-    const SolidLawTables t = solid_law_tables(model);
+    const SolidModelTables t = solid_model_tables(model);
     NodeField u = scattered(mesh, 0.002);
     mesh.embedding.interpolate(u);
     const NodeField x = mesh.nodes + u;
@@ -254,13 +254,13 @@ TEST_CASE("exported tables of an embedded lattice reproduce the energy of spring
 
 TEST_CASE("exported tables of an adapted model reproduce its contact stiffness", "[export][law]") {
     const SpringMesh mesh = make_lattice("grid8", 6, 5, 0.1, 0.1);
-    TissueModel model = law_model(mesh);
-    const Files before = csv_files(model, pressed_cases(model, "first"));
+    TissueModel model = plane_model(mesh);
+    const Files before = csv_files(model, indentations_of_cases(model, "first"));
     model.energy_model->contact_log_scale = Eigen::VectorXd::LinSpaced(mesh.node_count(), -0.4, 0.7);
-    CHECK(csv_files(model, pressed_cases(model, "first")).at("surface.csv") != before.at("surface.csv"));
+    CHECK(csv_files(model, indentations_of_cases(model, "first")).at("surface.csv") != before.at("surface.csv"));
 
     // contact stiffness computed from the tables as results/FORMATS.md describes
-    const LawTables t = law_tables(model);
+    const EnergyModelTables t = energy_model_tables(model);
     const ContactSurface surface(mesh);
     const auto kernel = make_contact_kernel(mesh, *model.energy_model);
     const auto& scaled = dynamic_cast<const ContactSurface&>(*kernel);
@@ -279,13 +279,13 @@ TEST_CASE("exported tables of an adapted model reproduce its contact stiffness",
 
 TEST_CASE("exported tables have Maxwell branches of a relaxing model and none of an elastic one", "[export][law]") {
     const SpringMesh mesh = make_lattice("grid8", 6, 5, 0.1, 0.1);
-    TissueModel model = law_model(mesh);
-    CHECK(csv_files(model, pressed_cases(model, "first")).count("branches.csv") == 0);
+    TissueModel model = plane_model(mesh);
+    CHECK(csv_files(model, indentations_of_cases(model, "first")).count("branches.csv") == 0);
     NodeField share(model.energy_model->constants.size(), 2);
     share.col(0).setConstant(0.25);
     share.col(1).setLinSpaced(0, 0.5);
     model.energy_model->relaxation = {Eigen::Vector2d(0.125, 2), share, Eigen::Vector2d(0.25, 0.0625)};
-    const Files files = csv_files(model, pressed_cases(model, "first"));
+    const Files files = csv_files(model, indentations_of_cases(model, "first"));
     CHECK(files.at("branches.csv") == "branch,relaxation_time_s,contact_share\n0,0.125,0.25\n1,2,0.0625\n");
     const std::string& shares = files.at("shares.csv");
     CHECK(shares.substr(0, shares.find('\n', 25)) == "constant,share_0,share_1\n0,0.25,0");

@@ -17,9 +17,9 @@ constexpr double turn = 2 * 3.14159265358979323846;
 /// The mesh of an energy model under a tool with prescribed displacements.
 struct Held {
     explicit Held(double arc_m, double damping_1_s = 0)
-        : arc(arc_m), surface(tissue.mesh), springs(tissue.mesh, "geometric", tissue.node_mass_kg), law(tissue, springs),
+        : arc(arc_m), surface(tissue.mesh), springs(tissue.mesh, "geometric", tissue.node_mass_kg), energy_model(tissue, springs),
           patch(surface.at(arc), tissue.energy_model->patch.at(surface.at(arc))),
-          dynamics(make_dynamics("symplectic", springs, {dt / 2, damping_1_s, &law})),
+          dynamics(make_dynamics("symplectic", springs, {dt / 2, damping_1_s, &energy_model})),
           state(springs, Eigen::VectorXd::Zero(springs.slot_count())) {
         patch.lay_out(tool);
     }
@@ -33,17 +33,17 @@ struct Held {
     double energy(const Eigen::Vector2d& push_m) const {
         double motion = 0;
         for (int node = 0; node < springs.node_count(); ++node) motion += springs.mass()[node] * state.velocity.row(node).squaredNorm() / 2;
-        return motion + law.energy(state.displacement) + tool.energy_J(push_m, state.displacement);
+        return motion + energy_model.energy(state.displacement) + tool.energy_J(push_m, state.displacement);
     }
     /// For a jump of the tool: energy of the contact's springs beyond (force before the jump) . jump.
     double sampled(const Eigen::Vector2d& jump_m) const { return jump_m.dot(patch.gap_N_m * jump_m) / 2; }
 
     static constexpr double dt = 1e-3;
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     double arc;
     ContactSurface surface;
     RealtimeMesh springs;
-    RealtimeEnergyModel law;
+    RealtimeEnergyModel energy_model;
     PatchSpring patch;
     ToolSpring tool;
     std::unique_ptr<Dynamics> dynamics;
@@ -84,8 +84,8 @@ TEST_CASE("a circular tool path returns at most the energy of the sampled coupli
         Held held(arc);
         const Eigen::Vector2d in = held.surface.outline().direction(arc, 0), along(-in.y(), in.x());
         const auto tool = [&](double a) -> Eigen::Vector2d { return 0.007 * in + 0.0025 * (std::cos(a) * in + std::sin(a) * along); };
-        const IndentationSolver press(held.tissue);
-        held.state.displacement = press.at(held.surface.outline().position(arc), tool(0)).displacement;
+        const IndentationSolver solver(held.tissue);
+        held.state.displacement = solver.at(held.surface.outline().position(arc), tool(0)).displacement;
         const double stored = held.energy(tool(0));
 
         constexpr int ticks = 4000;
@@ -106,15 +106,15 @@ TEST_CASE("a circular tool path returns at most the energy of the sampled coupli
         for (int k = 0; k < points; ++k) {
             const double a = turn * k / points;
             const Eigen::Vector2d motion = 0.0025 * turn / points * (-std::sin(a) * in + std::cos(a) * along);
-            statical += press.at(held.surface.outline().position(arc), tool(a)).contact_force.dot(motion);
+            statical += solver.at(held.surface.outline().position(arc), tool(a)).contact_force.dot(motion);
         }
         CHECK(std::abs(statical) < 1e-9 * stored);
     }
 }
 
 TEST_CASE("a contact that moves along the surface creates less energy than its force times the path", "[law]") {
-    const TissueModel tissue = law_example();
-    const IndentationSolver press(tissue);
+    const TissueModel tissue = energy_model_example();
+    const IndentationSolver solver(tissue);
     const TissueEnergy energy(tissue.mesh, true);
     const ContactSurface surface(tissue.mesh);
     struct Rest {
@@ -125,7 +125,7 @@ TEST_CASE("a contact that moves along the surface creates less energy than its f
         const ContactPatch patch = surface.at(arc);
         const PatchSpring contact(patch, tissue.energy_model->patch.at(patch));
         const Eigen::Vector2d push = depth * patch.normal;
-        const Equilibrium state = press.at(surface.outline().position(arc), push);
+        const Equilibrium state = solver.at(surface.outline().position(arc), push);
         REQUIRE(state);
         Eigen::Vector2d at[ContactPatch::size];
         gather(patch, state.displacement, at);
@@ -152,7 +152,7 @@ TEST_CASE("a contact that moves along the surface creates less energy than its f
 }
 
 TEST_CASE("a hand that taps along the tissue and around its corner stays within the energy bound", "[law]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     HapticOptions o;
     o.heuristic_mesh = false;
     const HapticModel model(tissue, o);
@@ -188,9 +188,9 @@ TEST_CASE("a hand that taps along the tissue and around its corner stays within 
 }
 
 TEST_CASE("the contact of an energy model keeps its place until the tool lifts and its force is that of equilibrium", "[law]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     const HapticModel model(tissue, {});
-    const IndentationSolver press(tissue);
+    const IndentationSolver solver(tissue);
     Simulation s(model);
     double x = 0.047, y = 0.103;
     const auto go = [&](double to_x, double to_y, int ticks) {
@@ -207,7 +207,7 @@ TEST_CASE("the contact of an energy model keeps its place until the tool lifts a
     CHECK(s.contact().where.weight[1] == w);
     const Eigen::Vector2d touched(0.047, 0.1), push = Eigen::Vector2d(0.052, 0.092) - touched;
     CHECK((s.record().contact_displacement_m - push).norm() < 1e-12);
-    const Equilibrium rest = press.at(touched, push);
+    const Equilibrium rest = solver.at(touched, push);
     REQUIRE(rest);
     CHECK((Eigen::Vector2d(rest.contact_force) + s.record().coupling_N).norm() < 1e-4 * rest.contact_force.norm());
     go(0.052, 0.104, 1000);
@@ -216,7 +216,7 @@ TEST_CASE("the contact of an energy model keeps its place until the tool lifts a
 }
 
 TEST_CASE("an energy model beside a touched mesh gets its force and reports the tool displacement in equilibrium with it", "[law]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     const HapticModel model(tissue, {});
     CHECK(model.meshes[1]->dynamics == "symplectic");
     Simulation s(model);
@@ -230,7 +230,7 @@ TEST_CASE("an energy model beside a touched mesh gets its force and reports the 
 }
 
 TEST_CASE("tissue folded by a hand returns to rest or is put to rest after the hand has left", "[law][long]") {
-    const TissueModel tissue = law_example();
+    const TissueModel tissue = energy_model_example();
     HapticOptions o;
     o.heuristic_mesh = false;
     o.safety.force_max_N = 100;
@@ -256,7 +256,7 @@ TEST_CASE("tissue folded by a hand returns to rest or is put to rest after the h
 }
 
 TEST_CASE("a tool on the fixed boundary is stopped without displacing the tissue", "[law]") {
-    const HapticModel model(law_example(), {});
+    const HapticModel model(energy_model_example(), {});
     Simulation s(model);
     double most = 0;
     for (int k = 0; k < 500; ++k) most = std::max(most, -s.tick(sample_at(0.043, -0.002 + 5e-6 * k)).y());

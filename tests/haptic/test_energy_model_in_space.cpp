@@ -10,7 +10,7 @@
 #include "../example.h"
 #include "../mesh/dome.h"
 #include "../refusal.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "error.h"
 #include "haptic/dynamics.h"
 #include "mesh/embedded_lattice.h"
@@ -22,7 +22,7 @@
 #include "mesh/free_surface.h"
 #include "springs/energy_model_terms.h"
 #include "springs/heuristic.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 #include "springs/indentation_solver.h"
 #include "springs/equilibrium_solver.h"
 
@@ -53,33 +53,33 @@ Eigen::VectorXd eigenvalues(const RealtimeMesh& mesh, const Eigen::MatrixXd& K) 
 TEST_CASE("in space forces and energy in the tick equal those of the trained energy model", "[solid][law]") {
     for (const SpringMesh& mesh : meshes())
         for (double size : {1e-6, 1e-3, 3e-3}) {
-            const TissueModel model = solid_law_example(mesh);
+            const TissueModel model = solid_model_example(mesh);
             const RealtimeMesh springs = springs_of(model);
-            const RealtimeEnergyModel law(model, springs);
+            const RealtimeEnergyModel energy_model(model, springs);
             const TissueEnergy energy(mesh, *model.energy_model);
             NodeField u = scattered(mesh, size);
             energy.complete(u);
             const NodeField expected = energy.force(model.energy_model->constants, u);
             NodeColumns f = NodeColumns::Ones(mesh.node_count(), 3);
-            RealtimeEnergyModel::Scratch scratch = law.scratch();
+            RealtimeEnergyModel::Scratch scratch = energy_model.scratch();
             long allocations = 0;
             {
                 const NodeColumns columns = u;
                 const Allocations none;
-                law.force(columns, f, scratch);
+                energy_model.force(columns, f, scratch);
                 allocations = Allocations::count();
             }
             INFO(mesh.topology << " " << size);
             // l - L cancels in the tick's springs
             CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());
-            CHECK(law.energy(u) == Approx(energy.energy(model.energy_model->constants, u)).epsilon(1e-9));
+            CHECK(energy_model.energy(u) == Approx(energy.energy(model.energy_model->constants, u)).epsilon(1e-9));
             CHECK(allocations == 0);
         }
 }
 
 TEST_CASE("extra mass at stiff supports limits the highest frequency and keeps the slowest mode", "[solid][law][embedded][long]") {
     for (const SpringMesh& mesh : {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011), embedded_lattice(dome(8), 0.008)}) {
-        TissueModel model = solid_law_example(mesh);
+        TissueModel model = solid_model_example(mesh);
         const TissueEnergy energy(mesh, *model.energy_model);
         const NodeField rest = NodeField::Zero(mesh.node_count(), 3);
         const auto tangent = [&] { return energy.tangent(model.energy_model->constants, rest); };
@@ -104,7 +104,7 @@ TEST_CASE("extra mass at stiff supports limits the highest frequency and keeps t
 }
 
 TEST_CASE("a force on a node of an embedded solid does the same work on its lattice", "[solid][embedded]") {
-    const TissueModel model = solid_law_example(embedded_lattice(dome(6), 0.011));
+    const TissueModel model = solid_model_example(embedded_lattice(dome(6), 0.011));
     const Embedding& embedding = model.mesh.embedding;
     const int K = embedding.node_count();
     NodeColumns u = scattered(model.mesh, 1e-3), f = NodeColumns::Zero(model.mesh.node_count(), 3);
@@ -119,7 +119,7 @@ TEST_CASE("a force on a node of an embedded solid does the same work on its latt
 }
 
 TEST_CASE("trained curvature range and correction of a contact apply in evaluation and in the tick and after reading a file", "[solid][embedded][long]") {
-    TissueModel free = solid_law_example(embedded_lattice(dome(6), 0.011));
+    TissueModel free = solid_model_example(embedded_lattice(dome(6), 0.011));
     free.energy_model->patch.log_N_m.col(ContactParameters::curved_factor).head<4>().setConstant(1.5);
     const SpringMesh& mesh = free.mesh;
     const FreeSurface surface(mesh);
@@ -146,9 +146,9 @@ TEST_CASE("trained curvature range and correction of a contact apply in evaluati
     CHECK(IndentationSolver(back).at(at.point_m, push).contact_force.norm() == soft_N);
 
     const RealtimeMesh springs = springs_of(model);
-    const RealtimeEnergyModel law(model, springs);
+    const RealtimeEnergyModel energy_model(model, springs);
     ToolSpring tool;
-    law.contacts().at(facet, weight, {}, tool);
+    energy_model.contacts().at(facet, weight, {}, tool);
     const ContactSpring trained(make_contact_kernel(mesh, *model.energy_model)->rows_at(at.point_m), model.energy_model->patch);
     const NodeColumns rest = NodeColumns::Zero(mesh.node_count(), 3);
     CHECK(tool.energy_J(push, rest) == Approx(trained.load(push, Eigen::VectorXd::Zero(trained.rows.pull.cols())).energy_J).epsilon(1e-9));
@@ -203,16 +203,16 @@ TEST_CASE("in space spring forces in the tick equal those of the spring law for 
 
 TEST_CASE("in space undamped steps of an energy model keep energy within a band without drift", "[solid][law][long]") {
     for (const SpringMesh& mesh : meshes()) {
-        const TissueModel model = solid_law_example(mesh);
+        const TissueModel model = solid_model_example(mesh);
         const RealtimeMesh springs = springs_of(model);
-        const RealtimeEnergyModel law(model, springs);
+        const RealtimeEnergyModel energy_model(model, springs);
         const double fastest = std::sqrt(largest_eigenvalue(springs, TissueEnergy(mesh, *model.energy_model).tangent(model.energy_model->constants, NodeField::Zero(mesh.node_count(), 3))));
         const int substeps = energy_model_substeps(fastest * fastest, 1e-3);
-        const auto dynamics = make_dynamics("symplectic", springs, {1e-3 / substeps, 0, &law});
+        const auto dynamics = make_dynamics("symplectic", springs, {1e-3 / substeps, 0, &energy_model});
         MeshState state(springs, Eigen::VectorXd::Zero(springs.slot_count()));
         state.velocity = scattered(mesh, 0.1);
         for (int node : mesh.fixed) state.velocity.row(node).setZero();
-        const auto total = [&] { return (springs.mass().asDiagonal() * state.velocity.cwiseAbs2()).sum() / 2 + law.energy(state.displacement); };
+        const auto total = [&] { return (springs.mass().asDiagonal() * state.velocity.cwiseAbs2()).sum() / 2 + energy_model.energy(state.displacement); };
         const double start = total();
         std::vector<double> mean(4, 0);
         for (std::size_t part = 0; part < mean.size(); ++part)
@@ -235,18 +235,18 @@ TEST_CASE("in space the spectrum of an energy model is that of its tangents at r
     const SpringMesh& mesh = model.mesh;
     const RealtimeMesh springs = springs_of(model);
     const EnergyModelSpectrum spectrum = energy_model_spectrum(model, springs);
-    const EnergyModel& law = *model.energy_model;
-    const TissueEnergy energy(mesh, law);
-    const Eigen::VectorXd rest = eigenvalues(springs, energy.tangent(law.constants, NodeField::Zero(mesh.node_count(), 3)));
+    const EnergyModel& energy_model = *model.energy_model;
+    const TissueEnergy energy(mesh, energy_model);
+    const Eigen::VectorXd rest = eigenvalues(springs, energy.tangent(energy_model.constants, NodeField::Zero(mesh.node_count(), 3)));
     CHECK(spectrum.smallest == Approx(rest[0]).epsilon(1e-6));
     CHECK(spectrum.largest > 1.005 * rest[rest.size() - 1]);
 
     // Indentations at other places, as deep as the deepest load case.
-    const auto kernel = make_contact_kernel(mesh, law.disc_radius_m, law.disc);
+    const auto kernel = make_contact_kernel(mesh, energy_model.disc_radius_m, energy_model.disc);
     const FreeSurface surface(mesh);
     EquilibriumSolver solver(energy, *kernel);
     const auto largest_under = [&](const ContactSpring& contact, const EquilibriumState& state) {
-        Eigen::MatrixXd K = energy.tangent(law.constants, state.displacement);
+        Eigen::MatrixXd K = energy.tangent(energy_model.constants, state.displacement);
         const Eigen::MatrixXd own = contact.tangent(state.push_m, contact.gather(state.displacement));
         for (std::size_t i = 0; i < contact.rows.nodes.size(); ++i)
             for (std::size_t j = 0; j < contact.rows.nodes.size(); ++j)
@@ -256,8 +256,8 @@ TEST_CASE("in space the spectrum of an energy model is that of its tangents at r
     double stiffest = 0;
     for (const Point& point : surface.points(2)) {
         const FreeSurface::Place place = surface.nearest(point);
-        const ContactSpring contact(kernel->rows_at(place.point_m), law.patch);
-        const EquilibriumState state = solver.press(law.constants, contact, model.magnitude_m.maxCoeff() * place.inward);
+        const ContactSpring contact(kernel->rows_at(place.point_m), energy_model.patch);
+        const EquilibriumState state = solver.indent(energy_model.constants, contact, model.magnitude_m.maxCoeff() * place.inward);
         if (state.status != SolverStatus::no_equilibrium) stiffest = std::max(stiffest, largest_under(contact, state));
     }
     INFO("rest " << std::sqrt(rest[rest.size() - 1]) << ", indented " << std::sqrt(stiffest) << ", computed " << std::sqrt(spectrum.largest));
@@ -285,17 +285,17 @@ TEST_CASE("in space the spectrum of an energy model is that of its tangents at r
     TissueModel lost = model;
     lost.magnitude_m *= 200;
     const FreeSurface::Place first = surface.nearest(surface.points(2)[0]);
-    const EquilibriumState as_far = solver.press(law.constants, ContactSpring(kernel->rows_at(first.point_m), law.patch), lost.magnitude_m.maxCoeff() * first.inward);
+    const EquilibriumState as_far = solver.indent(energy_model.constants, ContactSpring(kernel->rows_at(first.point_m), energy_model.patch), lost.magnitude_m.maxCoeff() * first.inward);
     REQUIRE(as_far.status == SolverStatus::no_equilibrium);
     INFO(energy_model_spectrum(lost, springs).static_N_m << ' ' << as_far.contact_force_N.norm() / as_far.push_m.norm());
     CHECK(energy_model_spectrum(lost, springs).static_N_m > 0.5 * as_far.contact_force_N.norm() / as_far.push_m.norm());
 }
 
 TEST_CASE("in space springs that do not turn and steps that do not fit and unordered cubes are refused", "[solid][law]") {
-    const TissueModel model = solid_law_example(meshes().front());
+    const TissueModel model = solid_model_example(meshes().front());
     for (const char* law : {"axial", "isotropic"})
         CHECK_THAT(refusal<MismatchError>([&] { RealtimeMesh(model.mesh, law, model.node_mass_kg); }), Contains("geometric"));
-    const TissueModel embedded = solid_law_example(embedded_lattice(dome(6), 0.011));
+    const TissueModel embedded = solid_model_example(embedded_lattice(dome(6), 0.011));
     const RealtimeMesh its = springs_of(embedded);
     CHECK_THAT(refusal<MismatchError>([&] { make_dynamics("symplectic", its, {1e-3, 0, nullptr}); }), Contains("needs an energy model"));
     const RealtimeMesh springs = springs_of(model);

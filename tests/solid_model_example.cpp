@@ -1,4 +1,4 @@
-#include "solid_law_example.h"
+#include "solid_model_example.h"
 
 #include <cmath>
 
@@ -9,7 +9,7 @@
 
 namespace tissue {
 
-TissueModel solid_law_example(const SpringMesh& mesh) {
+TissueModel solid_model_example(const SpringMesh& mesh) {
     constexpr double modulus_Pa = 4524, radius_m = 0.007;
     TissueModel m;
     m.study = "space";
@@ -19,10 +19,10 @@ TissueModel solid_law_example(const SpringMesh& mesh) {
     m.node_mass_kg = node_masses(mesh, 1000, 1);
     m.heuristic_a = heuristic_stiffness(mesh, modulus_Pa);
     const Eigen::Index cells = cell_count(mesh);
-    const EnergyModelTerms law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), modulus_Pa), Eigen::VectorXd::Constant(cells, modulus_Pa), modulus_Pa, 12, radius_m),
+    const EnergyModelTerms model_terms(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), modulus_Pa), Eigen::VectorXd::Constant(cells, modulus_Pa), modulus_Pa, 12, radius_m),
                         {"spring.all"});
     const Eigen::VectorXd p = Eigen::VectorXd::Zero(1);
-    m.energy_model = {law.terms(), p, law.constants(p), law.patch(p), law.incompressible(), radius_m};
+    m.energy_model = {model_terms.terms(), p, model_terms.constants(p), model_terms.patch(p), model_terms.incompressible(), radius_m};
     m.energy_model->curve = SpringCurve::mooney_rivlin(0.3, 3);
     for (Eigen::Index e = 0; e < m.energy_model->constants.size(); ++e)
         m.energy_model->constants[e] *= 1 + 0.3 * std::sin(1.7 * static_cast<double>(e));

@@ -9,7 +9,7 @@
 #include "../format_version.h"
 #include "../mesh/embedded_block.h"
 #include "../refusal.h"
-#include "../solid_law_example.h"
+#include "../solid_model_example.h"
 #include "several_discs.h"
 #include "../tolerances.h"
 #include "error.h"
@@ -19,7 +19,7 @@
 #include "parallel.h"
 #include "springs/disc_rows.h"
 #include "springs/energy_model_terms.h"
-#include "springs/law_kernel.h"
+#include "springs/energy_model_kernel.h"
 #include "springs/indentation_solver.h"
 #include "version.h"
 
@@ -45,67 +45,67 @@ TEST_CASE("with_means inserts the geometric mean between neighbouring radii") {
 
 TEST_CASE("contact parameters at another radius are its start values plus size terms and its correction", "[solid]") {
     const TissueModel model = several_discs();
-    const EnergyModel &law = *model.energy_model, same = energy_model_at_radius(law, own_m), none = energy_model_at_radius(law, 0);
-    CHECK(same.patch.log_N_m == law.patch.log_N_m);
-    CHECK(none.sizes.radii_m == law.sizes.radii_m);
-    const EnergyModel large = energy_model_at_radius(law, 0.010);
+    const EnergyModel &energy_model = *model.energy_model, same = energy_model_at_radius(energy_model, own_m), none = energy_model_at_radius(energy_model, 0);
+    CHECK(same.patch.log_N_m == energy_model.patch.log_N_m);
+    CHECK(none.sizes.radii_m == energy_model.sizes.radii_m);
+    const EnergyModel large = energy_model_at_radius(energy_model, 0.010);
     const double x = std::log(0.010 / own_m);
-    const Eigen::VectorXd grown = (large.patch.log_N_m - law.patch.log_N_m).col(0);
+    const Eigen::VectorXd grown = (large.patch.log_N_m - energy_model.patch.log_N_m).col(0);
     const Eigen::VectorXd start = start_of_disc(4500, 0.010, 0.010) - start_of_disc(4500, own_m, 0.010);
     CHECK((grown - start - x * (Eigen::VectorXd(7) << 0.3, 0, 0, 0, 1.5, 0, 0).finished()).norm() < 1e-12);
-    CHECK((large.patch.log_N_m - law.patch.log_N_m).rightCols(3).isZero(0));
+    CHECK((large.patch.log_N_m - energy_model.patch.log_N_m).rightCols(3).isZero(0));
     // as in training
-    CHECK(large.patch.log_N_m == resized(law.patch, law.terms, law.coefficients, 0.007, 0.010, x).log_N_m);
-    CHECK((law_of_contact(law, 0.010).patch.log_N_m - large.patch.log_N_m).isZero(1e-12));  // as in the tick
-    CHECK((law_of_contact(law, 0.005).patch.log_N_m - energy_model_at_radius(law, 0.005).patch.log_N_m).isZero(1e-12));
+    CHECK(large.patch.log_N_m == resized(energy_model.patch, energy_model.terms, energy_model.coefficients, 0.007, 0.010, x).log_N_m);
+    CHECK((energy_model_of_contact(energy_model, 0.010).patch.log_N_m - large.patch.log_N_m).isZero(1e-12));  // as in the tick
+    CHECK((energy_model_of_contact(energy_model, 0.005).patch.log_N_m - energy_model_at_radius(energy_model, 0.005).patch.log_N_m).isZero(1e-12));
     // below the range of the training discs the size terms are constant
-    const Eigen::VectorXd small = law_of_contact(law, 0.001).patch.log_N_m.col(0) - law_of_contact(law, 0.002).patch.log_N_m.col(0);
+    const Eigen::VectorXd small = energy_model_of_contact(energy_model, 0.001).patch.log_N_m.col(0) - energy_model_of_contact(energy_model, 0.002).patch.log_N_m.col(0);
     CHECK((small - (start_of_disc(4500, 0.001, 0.010) - start_of_disc(4500, 0.002, 0.010))).isZero(1e-12));
     CHECK(large.disc_radius_m == 0.010);
     CHECK(large.disc.correction.value.isConstant(0.06, 1e-12));
-    CHECK(large.constants == law.constants);
+    CHECK(large.constants == energy_model.constants);
     CHECK(large.sizes.empty());
     // between two radii the correction is linear in the logarithm of the radius
-    const double between = std::exp(0.25 * std::log(0.004) + 0.75 * std::log(law.sizes.radii_m[1]));
-    CHECK(energy_model_at_radius(law, between).disc.correction.value.isConstant(-0.05 + 0.75 * 0.08, 1e-12));
+    const double between = std::exp(0.25 * std::log(0.004) + 0.75 * std::log(energy_model.sizes.radii_m[1]));
+    CHECK(energy_model_at_radius(energy_model, between).disc.correction.value.isConstant(-0.05 + 0.75 * 0.08, 1e-12));
 
-    CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(law, 0.0039); }), Contains("3.9 mm") && Contains("discs from 4 to 10 mm"));
-    CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(law, 0.0101); }), Contains("10.1 mm"));
-    CHECK_THROWS_AS(energy_model_at_radius(law, std::nan("")), MismatchError);
-    CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(*solid_law_example(model.mesh).energy_model, 0.006); }), Contains("only a disc of 7 mm"));
+    CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(energy_model, 0.0039); }), Contains("3.9 mm") && Contains("discs from 4 to 10 mm"));
+    CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(energy_model, 0.0101); }), Contains("10.1 mm"));
+    CHECK_THROWS_AS(energy_model_at_radius(energy_model, std::nan("")), MismatchError);
+    CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(*solid_model_example(model.mesh).energy_model, 0.006); }), Contains("only a disc of 7 mm"));
 }
 
 TEST_CASE("LawPress of another disc is that of the model at its radius and is made once for all threads", "[solid]") {
     const TissueModel model = several_discs();
-    const IndentationSolver press(model);
-    CHECK(&press.of(0) == &press);
-    CHECK(&press.of(own_m) == &press);
+    const IndentationSolver solver(model);
+    CHECK(&solver.of(0) == &solver);
+    CHECK(&solver.of(own_m) == &solver);
     std::array<const IndentationSolver*, 4> made{};
-    parallel_for(4, 4, [&](int i) { made[static_cast<std::size_t>(i)] = &press.of(0.005); });
+    parallel_for(4, 4, [&](int i) { made[static_cast<std::size_t>(i)] = &solver.of(0.005); });
     const IndentationSolver& other = *made[0];
     for (const IndentationSolver* one : made) CHECK(one == &other);
     const Equilibrium here = other.at(place, 0.002 * inward), there = IndentationSolver(with_tool(model, {ToolChoice::Shape::disc, 0.005})).at(place, 0.002 * inward);
     REQUIRE(here);
     CHECK(here.contact_force == there.contact_force);
-    CHECK(here.contact_force.norm() < 0.9 * press.at(place, 0.002 * inward).contact_force.norm());
-    CHECK_THROWS_AS(press.of(0.02), MismatchError);
+    CHECK(here.contact_force.norm() < 0.9 * solver.at(place, 0.002 * inward).contact_force.norm());
+    CHECK_THROWS_AS(solver.of(0.02), MismatchError);
 }
 
 TEST_CASE("derivatives of contact parameters by size terms agree with finite differences", "[solid]") {
     const SpringMesh mesh = embedded_block(Lattice{{4, 4, 2}, {0.04, 0.04, 0.02}});
     const std::string hardens = GENERATE("contact.hardening.size", "contact.compression.size", "contact.softening.size");
-    const EnergyModelTerms law(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), 4500), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), 4500), 4500, 12, own_m),
+    const EnergyModelTerms model_terms(mesh, solid_heuristic(mesh, Eigen::VectorXd::Constant(mesh.spring_count(), 4500), Eigen::VectorXd::Constant(mesh_cells(mesh).rows(), 4500), 4500, 12, own_m),
                         {"contact.normal", "contact.normal.size", hardens, "contact.coupling.size"});
     const Eigen::VectorXd p = Eigen::Vector4d(0.2, 0.4, -0.7, 0.3);
     const ContactFactors factors = ContactFactors(1, 0.2, 0, 0.5);
     const double log_times = std::log(1.4);
-    const Eigen::MatrixXd by = law.stiffness_by(p, factors, 0.1, log_times);
-    for (int t = 0; t < law.size(); ++t) {
-        const Eigen::VectorXd e = 1e-5 * Eigen::VectorXd::Unit(law.size(), t);
-        const Eigen::VectorXd difference = (law.patch(p + e, log_times).values_at(factors, 0.1) - law.patch(p - e, log_times).values_at(factors, 0.1)) / 2e-5;
+    const Eigen::MatrixXd by = model_terms.stiffness_by(p, factors, 0.1, log_times);
+    for (int t = 0; t < model_terms.size(); ++t) {
+        const Eigen::VectorXd e = 1e-5 * Eigen::VectorXd::Unit(model_terms.size(), t);
+        const Eigen::VectorXd difference = (model_terms.patch(p + e, log_times).values_at(factors, 0.1) - model_terms.patch(p - e, log_times).values_at(factors, 0.1)) / 2e-5;
         CHECK((by.col(t) - difference).norm() <= 1e-8 * difference.norm());
     }
-    const Eigen::VectorXd grown = law.patch(p, log_times).log_N_m.col(0) - law.patch(p).log_N_m.col(0);
+    const Eigen::VectorXd grown = model_terms.patch(p, log_times).log_N_m.col(0) - model_terms.patch(p).log_N_m.col(0);
     const Eigen::VectorXd start = start_of_disc(4500, 1.4 * own_m, 0.010) - start_of_disc(4500, own_m, 0.010);
     CHECK((grown - start - log_times * (Eigen::VectorXd(7) << 0.4, 0, 0, 0, -0.7, 0, 0.3).finished()).norm() < 1e-12);
 }
