@@ -25,6 +25,7 @@
 #include "haptic/session_options.h"
 #include "haptic/tick_clock.h"
 #include "mesh/nodule_surface.h"
+#include "version.h"
 
 using namespace tissue;
 
@@ -235,6 +236,8 @@ TEST_CASE("surfaces of boundary and nodule and an added organ move with the tiss
     CHECK(tissue_surface_points(plane.s, "boundary") == 0);
     CHECK(tissue_add_surface(plane.s, "organ", file.c_str(), 1e-3) == TISSUE_MISMATCH);
 }
+
+TEST_CASE("the C interface states the version of the library", "[api]") { CHECK(std::string(tissue_version()) == version); }
 
 TEST_CASE("invalid arguments of the C interface give an error code and one line of text", "[api]") {
     const TemporaryFolder folder;
