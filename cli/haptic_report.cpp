@@ -111,7 +111,7 @@ std::string statistics_text(const std::string& model_file, const std::vector<Dev
     std::string text = fmt::format("{} on {}: {} ticks{}\n", model_file, names(devices), report.ticks, report.clock ? "" : ", without a clock");
     text += fmt::format("  overruns         {} ({} by this program)\n", report.misses, report.misses_program);
     text += fmt::format("  tick             {} (median / p99 / p99.9 / max)\n", percentiles_text(report.tick_us));
-    text += fmt::format("  lateness         {}\n", percentiles_text(report.lateness_us));
+    text += fmt::format("  latency          {}\n", percentiles_text(report.lateness_us));
     text += fmt::format("  dropped samples  {}\n", dropped_samples);
     if (simulation.model().options.energy_book) {
         const BranchEnergies book = simulation.branches();
