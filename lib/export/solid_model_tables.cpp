@@ -32,10 +32,10 @@ ContactTable contact_table(const TissueModel& model, const std::vector<int>& loa
             const double radius_m = model.radius_of(c);
             Disc& disc = discs[radius_m];
             if (!disc.kernel) {
-                disc.law = energy_model_at_radius(*model.energy_model, radius_m);
-                disc.kernel = make_contact_kernel(model.mesh, disc.law);
+                disc.energy_model = energy_model_at_radius(*model.energy_model, radius_m);
+                disc.kernel = make_contact_kernel(model.mesh, disc.energy_model);
             }
-            const ContactSpring contact(disc.kernel->rows_at(model.contact_m.row(c).transpose()), disc.law.patch);
+            const ContactSpring contact(disc.kernel->rows_at(model.contact_m.row(c).transpose()), disc.energy_model.patch);
             const ContactRows& rows = contact.rows;
             for (Eigen::Index r = 0; r < contact.k_N_m.size(); ++r) {
                 for (std::size_t i = 0; i < rows.nodes.size(); ++i) {

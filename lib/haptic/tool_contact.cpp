@@ -9,7 +9,7 @@
 namespace tissue {
 
 ToolContact::ToolContact(const SpringMesh& mesh, const EnergyModel& energy_model, double ball_m) : kernel_(make_contact_kernel(mesh, energy_model)), patch_(energy_model.patch), skin_(energy_model.skin()), ball_{ball_m} {
-    if (ball_m > 0) sizes_ = PatchSizes(law);
+    if (ball_m > 0) sizes_ = PatchSizes(energy_model);
 }
 
 ToolContact::ToolContact(const ToolContact& other) : kernel_(other.kernel_->clone()), patch_(other.patch_), skin_(other.skin_), ball_(other.ball_), sizes_(other.sizes_) {}
