@@ -85,8 +85,8 @@ TEST_CASE("an adapted model is read back with adapted contacts from a file of a 
     options.heuristic_mesh = false;
     const HapticModel plays(read, options), was(model, options);
     ToolSpring stiff, soft;
-    plays.meshes.front()->energy_model->contact(25, {0.5, 0.5, 0}, {}, stiff);
-    was.meshes.front()->energy_model->contact(25, {0.5, 0.5, 0}, {}, soft);
+    plays.meshes.front()->energy_model->contacts().at(25, {0.5, 0.5, 0}, {}, stiff);
+    was.meshes.front()->energy_model->contacts().at(25, {0.5, 0.5, 0}, {}, soft);
     const Point push = Eigen::Vector2d(0.001, -0.003);
     const NodeColumns still = NodeColumns::Zero(model.mesh.node_count(), 2);
     CHECK(stiff.tool_force_N(push, still).norm() / soft.tool_force_N(push, still).norm() == Approx(std::exp(0.7)).epsilon(0.2));

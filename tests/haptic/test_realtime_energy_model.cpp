@@ -73,7 +73,7 @@ TEST_CASE("the contact in the tick equals the trained one and acts on fixed node
                 const int i = mesh.loop()[b], j = mesh.loop()[(b + 1) % M];
                 const Eigen::Vector2d place = (1 - w) * mesh.nodes.row(i) + w * mesh.nodes.row(j);
                 ToolSpring now;
-                energy_model.contact(static_cast<int>(b), {1 - w, w, 0}, {}, now);
+                energy_model.contacts().at(static_cast<int>(b), {1 - w, w, 0}, {}, now);
                 const NodeColumns u = scattered(mesh, 1e-3);
                 const Eigen::Vector2d push(0.002, -0.001);
                 NodeColumns asked = NodeColumns::Zero(u.rows(), 2);
