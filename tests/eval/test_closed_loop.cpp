@@ -36,7 +36,7 @@ ContactError error_of_springs(const SpringMesh& mesh, const SpringLaw& law, cons
 }
 
 /// The first of these references, and an answer equal to a reference.
-ContactReference seen() { return truths(*make_spring_law("axial"), example_theta(block()))[0]; }
+ContactReference seen() { return references(*make_spring_law("axial"), example_theta(block()))[0]; }
 ContactAnswer agreeing(const ContactReference& reference) { return {reference.force_N, reference.displacement_m}; }
 
 }  // namespace
@@ -45,7 +45,7 @@ TEST_CASE("springs of the reference have no indentation errors; half the stiffne
     for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
         const Eigen::VectorXd theta = example_theta(block());
-        for (const ContactReference& reference : truths(*law, theta)) {
+        for (const ContactReference& reference : references(*law, theta)) {
             const ContactError own = error_of_springs(block(), *law, theta, reference),
                                half = error_of_springs(block(), *law, theta / 2, reference);
             CHECK(own.force.value() <= tolerance::newton);
@@ -62,7 +62,7 @@ TEST_CASE("springs of the reference have no indentation errors; half the stiffne
 TEST_CASE("the indentation error of force includes components across the tool displacement") {
     const auto law = make_spring_law("axial");
     const Eigen::VectorXd theta = example_theta(block());
-    ContactReference reference = truths(*law, theta)[1];
+    ContactReference reference = references(*law, theta)[1];
     const Eigen::Vector2d force = reference.force_N;
     reference.force_N = Eigen::Vector2d(-force.y(), force.x());  // of the same size, rotated by 90 degrees
     const ContactError error = error_of_springs(block(), *law, theta, reference);
@@ -150,7 +150,7 @@ TEST_CASE("a non-finite answer counts as missing with infinite errors") {
 TEST_CASE("displacements of another topology are compared at the same nodes") {
     const SpringMesh axes = make_lattice("grid4", 5, 5, 0.1, 0.1);
     const auto law = make_spring_law("isotropic");
-    for (const ContactReference& reference : truths(*make_spring_law("axial"), example_theta(block()))) {
+    for (const ContactReference& reference : references(*make_spring_law("axial"), example_theta(block()))) {
         const ContactError error = error_of_springs(axes, *law, uniform_stiffness(axes, 1), reference);
         CHECK(error.shape.value() > 0.01);
         CHECK(error.shape.value() < 2);
@@ -179,7 +179,7 @@ TEST_CASE("the best uniform stiffness of a uniform tissue is its own stiffness")
     for (const std::string& name : spring_laws().names()) {
         const auto law = make_spring_law(name);
         const double k = 0.8;
-        const auto found = best_uniform_stiffness(block(), *law, truths(*law, uniform_stiffness(block(), k)), 0.05, 40);
+        const auto found = best_uniform_stiffness(block(), *law, references(*law, uniform_stiffness(block(), k)), 0.05, 40);
         REQUIRE(found);
         CHECK(*found == Approx(k).epsilon(tolerance::uniform_grid));
     }
@@ -187,7 +187,7 @@ TEST_CASE("the best uniform stiffness of a uniform tissue is its own stiffness")
 
 TEST_CASE("no best uniform stiffness exists if half of the contacts have no answer") {
     const auto law = make_spring_law("axial");
-    const std::vector<ContactReference> known = truths(*law, uniform_stiffness(block(), 0.8));
+    const std::vector<ContactReference> known = references(*law, uniform_stiffness(block(), 0.8));
     const ContactReference on_fixed{locate_on_surface(block(), {0.03, 0.0}), Eigen::Vector2d(0, 0.01), Eigen::Vector2d(0, 1)};
     std::vector<ContactReference> some = {known[0], known[1], known[2], on_fixed, on_fixed};
     CHECK(best_uniform_stiffness(block(), *law, some, 0.05, 40));  // the median error is finite
@@ -197,7 +197,7 @@ TEST_CASE("no best uniform stiffness exists if half of the contacts have no answ
 
 TEST_CASE("the best uniform stiffness stays in its range") {
     const auto law = make_spring_law("axial");
-    const auto truth = truths(*law, uniform_stiffness(block(), 3.0));
+    const auto truth = references(*law, uniform_stiffness(block(), 3.0));
     CHECK(best_uniform_stiffness(block(), *law, truth, 0.05, 1.0).value() == Approx(1.0).epsilon(tolerance::uniform_grid));
     CHECK(best_uniform_stiffness(block(), *law, truth, 5.0, 9.0).value() == Approx(5.0).epsilon(tolerance::uniform_grid));
     CHECK(best_uniform_stiffness(block(), *law, truth, 5.0, 9.0).value() >= 5.0);

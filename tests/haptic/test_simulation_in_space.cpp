@@ -120,16 +120,16 @@ TEST_CASE("a solid indented in motion comes to rest at minimum energy and the me
 
     // The displayed displacement is that of evaluation. On both meshes it differs from that of the nodes.
     NodeColumns seen = s.state(0).displacement, other = s.state(1).displacement;
-    s.seen(0, seen);
-    s.seen(1, other);
+    s.displayed(0, seen);
+    s.displayed(1, other);
     const NodeField wanted = solver.displayed(touched, r.contact_displacement_m, rest.displacement);
     CHECK((seen - NodeColumns(wanted)).norm() < 1e-3 * wanted.norm());
     CHECK((seen - s.state(0).displacement).norm() > 1e-2 * wanted.norm());
     CHECK((other - s.state(1).displacement).norm() > 1e-2 * wanted.norm());
     {
         const Allocations counted;
-        s.seen(0, seen);
-        s.seen(1, other);
+        s.displayed(0, seen);
+        s.displayed(1, other);
     }
     CHECK(Allocations::count() == 0);
     // The page draws the displayed surface, and the tool on it.
@@ -157,7 +157,7 @@ TEST_CASE("a solid indented in motion comes to rest at minimum energy and the me
 
     // Without a contact the nodes' displacement is displayed.
     s.reset();
-    s.seen(0, seen);
+    s.displayed(0, seen);
     CHECK(seen.isZero(0));
 }
 
