@@ -2,7 +2,7 @@
 forged_forces.py FORCE_N LAG ANSWERS COMMAND...
 
 COMMAND is run with PORT replaced by the port of this program. The first ANSWERS of its positions are answered with a
-force of (0, FORCE_N, 0) for the position that was LAG before, if there was one, each after ten datagrams that a client
+force of (0, FORCE_N, 0) for the position that was LAG before, if there was one, each before ten datagrams that a client
 must refuse, and one from another socket. Prints what COMMAND prints; exits 1 where the positions are not those of
 cli/view/PROTOCOL.md, else with COMMAND's exit status."""
 import math
@@ -31,7 +31,7 @@ while client.poll() is None:
     if len(position) != 48:
         sys.exit(f"a position of {len(position)} bytes")
     magic, sequence, time_s, x, y, z, grasp = struct.unpack("<4sId3dd", position)
-    wrong += magic != b"TSP1" or sequence != last + 1 or not time_s > last_s or not all(map(math.isfinite, (x, y, z))) or grasp not in (0, 1)
+    wrong += magic != b"TSP1" or sequence <= last or not time_s > last_s or not all(map(math.isfinite, (x, y, z))) or grasp not in (0, 1)
     last, last_s = sequence, time_s
     if sequence > answers:
         continue
@@ -39,9 +39,9 @@ while client.poll() is None:
     bad = (b"", b"x", good[:-1], good + b"x", datagram(sequence, 2.5, magic=b"TSF2"), datagram(sequence, math.nan), datagram(sequence, 2.5, age_s=math.nan),
            datagram(sequence, 2.5, age_s=math.inf), datagram(sequence + 100000, 2.5), datagram(sequence - 5000, 2.5))
     try:
-        forger.sendto(datagram(sequence, 2.5), where)
-        for one in (*bad, good) if sequence > lag else bad:
+        for one in (good, *bad) if sequence > lag else bad:  # what must be refused comes last, and would be the newest
             link.sendto(one, where)
+        forger.sendto(datagram(sequence, 2.5), where)
     except ConnectionRefusedError:  # the client has ended
         pass
 if wrong or last < answers:
