@@ -1,6 +1,7 @@
 #!/bin/sh
 # Alone: ticks and clients keep real time. The examples of lib/api/examples, built and run as their head says: against
 # the installed library and module, a real tissue-haptic over UDP, and a program that sends forged forces.
+# shellcheck disable=SC2046,SC2086  # flags, and a client with its interpreter, are words of their own
 . "$(dirname "$0")/common"
 TISSUE_HAPTIC=$(realpath "${TISSUE_HAPTIC:-$root/build/release/tissue-haptic}")
 examples=$root/lib/api/examples
