@@ -95,6 +95,8 @@ const std::vector<Tool>& tools() {
          "tests of pages"},
         {"Slurm", "slurm-wlm", "slurmd -V", false, "RUN='srun -n1'"},
         {"munge", "munge", "munged --version", false, "Slurm's keys"},
+        {"C# compiler", "mono-mcs", "mcs --version", false, "tests of the client in C#"},
+        {"Mono", "mono-runtime", "mono --version", false, "tests of the client in C#"},
         {"cyclictest", "rt-tests", "cyclictest --help", false, "wake-up latency of this machine"},
     };
     return table;

@@ -2,22 +2,37 @@
 # Documents: README has at most 150 lines, links and pictures lead to existing files, documents use the glossary's
 # words, and tables equal the records in results/reference.
 . "$(dirname "$0")/common"
-pages="README.md results/RESULTS.md results/FORMATS.md cli/README.md lib/README.md fem/README.md fem/organs/README.md lib/api/ENGINES.md lib/api/OPTIONS.md cli/view/PROTOCOL.md"
+pages="README.md CONTRIBUTING.md VERSIONING.md results/RESULTS.md results/FORMATS.md cli/README.md lib/README.md fem/README.md fem/organs/README.md lib/api/ENGINES.md lib/api/OPTIONS.md cli/view/PROTOCOL.md"
 sitting() { [ "$(wc -l <"$1")" -le 150 ] || { echo "$1: $(wc -l <"$1") lines"; return 1; }; }
 # shellcheck disable=SC2086  # names without blanks
 links() { "$PYTHON" "$root/tests/pipeline/docs_links.py" "$1" ${2:-$pages}; }
 # shellcheck disable=SC2086
 words() { "$PYTHON" "$root/tests/pipeline/docs_words.py" "$1" ${2:-$pages SECURITY.md}; }
+# every library whose headers are compiled in, and every file that the page takes from outside the project
+noticed() { # ROOT
+    for name in $(cd "$root" && grep -rhoE '#include <[A-Za-z0-9_+]+/' lib cli | sed 's/.*<//' | grep -vxE '(sys|arpa|netinet)/' | sort -u); do
+        grep -qF "<$name>" "$1/NOTICE" || { echo "NOTICE: has no entry for headers <$name>"; return 1; }
+    done
+    for file in $(sed -n 's/^TAKE_IN(.*"\/\(.*\)").*/\1/p' "$root/cli/serve/page.cpp"); do
+        grep -qF "${file##*/}" "$1/NOTICE" || { echo "NOTICE: has no entry for ${file##*/}, a file of the page"; return 1; }
+    done
+}
+cited() { # ROOT: CITATION.cff has the version of lib/version.h
+    version=$(sed -n 's/.* version = "\(.*\)";/\1/p' "$root/lib/version.h")
+    grep -qx "version: $version" "$1/CITATION.cff" || { echo "CITATION.cff: the version is not $version, as in lib/version.h"; return 1; }
+}
 tables() { "$PYTHON" "$1/scripts/reference.py" --check; }
 
 check "README has at most 150 lines" sitting "$root/README.md"
 check "every relative link and picture leads to an existing file or heading" links "$root"
 check "documents use the words of lib/GLOSSARY.md" words "$root"
+check "NOTICE has every library and file that is built in" noticed "$root"
+check "CITATION.cff has the version of the project" cited "$root"
 check "the tables of README and results/RESULTS.md equal the records" tables "$root"
 
 # tests of the checks, on a copy with one fault at a time
 mkdir -p "$work/results"
-cp -pR "$root/README.md" "$root/scripts" "$work"
+cp -pR "$root/README.md" "$root/NOTICE" "$root/CITATION.cff" "$root/scripts" "$work"
 cp -pR "$root/results/reference" "$root/results/RESULTS.md" "$work/results"
 wrong() { # SENTENCE WORDS COMMAND...: the copy is refused with these words; then the copy is restored
     sentence=$1 words=$2
@@ -57,4 +72,10 @@ echo "[gone](README.md#no-such-heading)" >"$work/page.md"
 wrong "a link to a missing heading" "page.md: link to README.md#no-such-heading" links "$work" page.md
 echo "The truth stands beside the law." >"$work/page.md"
 wrong "an older word" "page.md:1: 'truth': write FE reference" words "$work" page.md
+sed -i 's/<toml++\/>/toml++/' "$work/NOTICE"
+wrong "a library without a notice" "NOTICE: has no entry for headers <toml++/>" noticed "$work"
+sed 's/three.module.js/three.js/' "$root/NOTICE" >"$work/NOTICE"
+wrong "a file of the page without a notice" "NOTICE: has no entry for three.module.js" noticed "$work"
+sed -i 's/^version: .*/version: 0.0.9/' "$work/CITATION.cff"
+wrong "a citation of another version" "CITATION.cff: the version is not" cited "$work"
 finish

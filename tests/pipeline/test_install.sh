@@ -24,6 +24,7 @@ check "programs, library, headers, pkg-config files, manual pages and completion
     "$prefix/lib/pkgconfig/tissue.pc" "$prefix/share/man/man1/tissuectl.1" "$prefix/share/man/man1/tissue-haptic.1" \
     "$prefix/share/bash-completion/completions/tissuectl" "$prefix/share/zsh/site-functions/_tissuectl" \
     "$prefix/share/fish/vendor_completions.d/tissue-haptic.fish"
+check "the licence and the notices of what is built in are installed" sh -c 'cmp "$1/LICENSE" "$2/LICENSE" && cmp "$1/NOTICE" "$2/NOTICE"' - "$root" "$prefix/share/doc/tissuectl"
 check "an installed program runs" "$prefix/bin/tissuectl" --version
 
 # ---- a short program of a user against the library: without the project's macros, warnings are errors

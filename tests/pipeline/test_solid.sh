@@ -102,6 +102,8 @@ check "a session with a model in space has a device force above 0.01 N" "$PYTHON
 words = sys.argv[1:] + '--seconds 1 --no-realtime --motion press --depth 0.005 --json'.split()
 statistics = json.loads(subprocess.run(words, stdout=subprocess.PIPE, check=True, timeout=120).stdout)
 assert statistics['force_max_N'] > 0.01, statistics" "$TISSUE_HAPTIC" "$R/model.h5"
+check "the examples press.py and film.py press a model in space" env PYTHONPATH="$(dirname "$TISSUECTL")/python" MPLCONFIGDIR="$scratch" sh -c '
+    "$1" "$2/press.py" "$3" "$4/press.png" && "$1" "$2/film.py" "$3" "$4/film.gif" 0.2 && [ -s "$4/press.png" ] && [ -s "$4/film.gif" ]' - "$PYTHON" "$root/lib/api/examples" "$R/model.h5" "$scratch"
 run timeout 300 "$TISSUE_HAPTIC" $model --check results/solid/cases.h5 --out "$work/realtime.json"
 check "tissue-haptic --check of the test contacts succeeds" exited 0
 check "every moving indentation comes to rest within 1e-3 of the static answer" "$PYTHON" -c "import json, sys
