@@ -478,7 +478,7 @@ TEST_CASE("each of two tools of different shape and size has the force of its ow
         REQUIRE(alone_N.norm() > 0.02);
         CHECK(hands.force_N[1 - t].isZero(0));
         CHECK((hands.force_N[t] - alone_N).norm() < 1e-3 * alone_N.norm());
-        CHECK((wrong_N - alone_N).norm() > 0.1 * alone_N.norm());
+        CHECK((wrong_N - alone_N).norm() > 0.05 * alone_N.norm());
     }
 
     // Both at once: the order of the tools has no effect, and each feels the other.
