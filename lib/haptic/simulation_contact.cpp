@@ -124,28 +124,12 @@ void Simulation::hold_tool(ToolState& t) noexcept {
 
 /// Checks the path of a free proxy, from its last position to the master, against every mesh except the one it has just
 /// left.
-///
-/// On tissue that is still deformed an energy model's contact begins outside the surface, where its force does. The tool
-/// displaces the mean of the nodes under it, and the surface lies deeper than this mean in a dent. A contact that began
-/// at the surface would begin with a force, thus with energy that no hand has put in.
 void Simulation::look_for_contact(ToolState& t, const ContactState& from, int left) noexcept {
-    const Point& master_m = t.record.master_m;
     for (std::size_t m = 0; m < surfaces_.size(); ++m) {
         if (static_cast<int>(m) == left) continue;
         t.contact = from;
-        update_contact(*surfaces_[m], master_m, t.contact);
-        if (t.contact.contact) return begin_contact(t, static_cast<int>(m));
-        const HapticMesh& mesh = *model_.meshes[m];
-        if (!energy_models_[m] || untouched_s() > settled_s(mesh)) continue;
-        const SurfacePlace near = surfaces_[m]->nearest(master_m);
-        if (near.distance_m > contacts_of(t).spacing_m()) continue;
-        t.changed.grow({});
-        const Point push_m = master_m - mesh.place_m - mesh.springs.rest_place(near.facet, near.weight);
-        contacts_of(t).at(near.facet, near.weight, push_m, states_[m].displacement, t.changed);
-        if (!(t.changed.mean_N(push_m, states_[m].displacement, nullptr).dot(t.changed.inward()) > 0)) continue;
-        t.contact.where = near;
-        t.contact.contact = true;
-        t.contact.proxy_m = near.position_m;
+        update_contact(*surfaces_[m], t.record.master_m, t.contact);
+        if (!t.contact.contact) continue;
         return begin_contact(t, static_cast<int>(m));
     }
 }

@@ -849,42 +849,4 @@ TEST_CASE("force limited by the energy bound is counted and the limit fades", "[
     CHECK(safety.force_N().norm() == Approx(3));
 }
 
-TEST_CASE("a contact on tissue that is still dented begins without a force and returns no energy", "[hand]") {
-    // The tool displaces a mean of the nodes under it, which lies outside the surface in a dent.
-    for (const bool solid : {false, true}) {
-        const HapticModel model(relaxing(solid ? solid_example() : energy_model_example()), alone());
-        const FreeSurface::Place place = model.surface.nearest(solid ? Point(Eigen::Vector3d(0.052, 0.048, 1)) : Point(Eigen::Vector2d(0.052, 0.1)));
-        Simulation s(model);
-        constexpr double step_m = 2e-6;  // 2 mm/s
-        double in_m = -0.002, work_J = 0, put_in_J = 0, most_given_J = 0;
-        Eigen::Vector3d at, force = Eigen::Vector3d::Zero();
-        const auto to = [&](double next_m) {
-            const Eigen::Vector3d was = at;
-            at = model.options.map.to_device(place.point_m + next_m * place.inward);
-            work_J += force.dot(at - was);
-            put_in_J = std::max(put_in_J, -work_J);
-            most_given_J = std::max(most_given_J, work_J);
-            in_m = next_m;
-            force = s.tick(sample_at(at));
-        };
-        at = model.options.map.to_device(place.point_m + in_m * place.inward);
-        s.tick(sample_at(at));
-        while (in_m < 0.004) to(in_m + 1e-5);
-        for (int k = 0; k < 1000; ++k) to(in_m);
-        REQUIRE(s.contact().pressing);
-        double first_N = 0;
-        for (int touches = 0; touches < 5; ++touches) {
-            while (s.contact().contact) to(in_m - step_m);
-            for (int k = 0; k < 20; ++k) to(in_m - step_m);
-            REQUIRE(in_m > 0.0003);  // the dent
-            while (!s.contact().contact) to(in_m + step_m);
-            first_N = std::max(first_N, s.record().coupling_N.norm());
-            for (int k = 0; k < 20; ++k) to(in_m + step_m);
-        }
-        INFO((solid ? "in space" : "in the plane") << ": the first force is " << first_N << " N, energy given " << most_given_J << " J of " << put_in_J << " J");
-        CHECK(first_N < 10 * step_m * model.meshes[0]->contact_N_m);
-        CHECK(most_given_J == 0);
-    }
-}
-
 }  // namespace tissue
