@@ -35,7 +35,7 @@ autodoc_member_order = "bysource"
 def draw(inline):
     def visit(translator, node):
         try:
-            formula = latex2mathml.tex2mathml(node.astext(), inline)
+            formula = latex2mathml.tex2mathml(node.astext(), inline=inline)
             translator.body.append(formula if inline else f'<div class="formula">{formula}</div>')
         except SyntaxError as error:
             logging.getLogger(__name__).warning("formula %s: %s", " ".join(node.astext().split()), error, location=node)
