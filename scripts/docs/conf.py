@@ -22,7 +22,6 @@ html_extra_path = ["index.html"]  # from the site's folder to root_doc
 html_theme = "furo"
 html_static_path, html_css_files = ["site.css"], ["site.css"]
 html_copy_source = html_show_sphinx = html_show_copyright = False
-html_math_renderer = "mathml"
 smartquotes = False               # -- begins an option
 
 myst_enable_extensions = ["colon_fence", "dollarmath"]
