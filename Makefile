@@ -75,7 +75,7 @@ FORCE:
 
 # ---- main targets
 
-.PHONY: felupe realtime ablation all mesh contacts cases first train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitized sanitize tsan fuzz bench benches hands doors deps help clean build install uninstall doctor
+.PHONY: felupe realtime ablation all mesh contacts cases first train eval figures report reference regress regress-proof trust gains patient patient3 peers test test-fe sanitized sanitize tsan fuzz bench benches hands doors docs deps help clean build install uninstall doctor
 
 ## all: the whole study, from mesh to report
 all: figures eval report
@@ -110,6 +110,12 @@ build: $(TISSUECTL) $(TISSUE_HAPTIC)
 
 ## doors: build the bindings: the library for C and the module for Python
 doors: $(BUILD)/libtissue.so.1 $(PYTHON_MODULE)
+
+## docs: build the documents as one site with a search: build/docs/index.html; a link to nothing is an error
+docs: $(PYTHON_MODULE) | build/deps-docs
+	@rm -rf build/docs
+	@TISSUE_MODULE=$(<D) $(PYTHON) -m sphinx -q -W --keep-going -E -c scripts/docs -d build/docs.cache . build/docs
+	@echo "docs  build/docs/index.html"
 
 ## deps: name missing packages and install them
 deps: build/deps
@@ -150,7 +156,8 @@ clean:
 
 build/deps-test: ALSO = test
 build/deps-sanitize: ALSO = sanitize
-build/deps build/deps-test build/deps-sanitize: scripts/install_deps
+build/deps-docs: ALSO = docs
+build/deps build/deps-test build/deps-sanitize build/deps-docs: scripts/install_deps
 	@mkdir -p build && $(call alone,build/deps.lock) && scripts/install_deps $(ALSO) && touch $@
 
 # ---- programs

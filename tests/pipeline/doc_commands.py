@@ -4,11 +4,12 @@ check.
 A block of code (indented by four, or between ```) is a list of commands, run one by one from the root of COPY, unless a
 comment precedes it:
   <!-- a study -->                    a study: written to fem/studies/printed.toml, planned, and its shape meshed
+  <!-- continued -->                  the block begins with the files that the one before it left
   <!-- not run: REASON -->            no command of it is run
   <!-- not run [BEGINNING]: REASON -->  commands that begin with BEGINNING are not run; the others are
 A word in CAPITALS stands for a file of the reader, which is in COPY/given. A study that `tissuectl new` writes gets
-fewer contacts, and is removed after its block. In `code` within a line, targets of make, commands, options and scripts
-are checked for existence, not run.
+fewer contacts, and is removed before the next block that is not continued. In `code` within a line, targets of make,
+commands, options and scripts are checked for existence, not run.
 """
 import os
 import re
@@ -20,7 +21,7 @@ import time
 from pathlib import Path
 
 LONGEST = 150  # [s] limit of one command
-MARK = re.compile(r"<!-- (a study|not run(?: \[(?P<beginning>[^\]]+)\])?: (?P<reason>\S.*?)) -->$")
+MARK = re.compile(r"<!-- (a study|continued|not run(?: \[(?P<beginning>[^\]]+)\])?: (?P<reason>\S.*?)) -->$")
 FILE_HEADS = {"load", "history"}  # `tissuectl load path` is the first line of a file
 
 
@@ -38,7 +39,7 @@ def blocks(text):
             yield begin + 1, code, marks
             marks, number = [], number + fenced
             continue
-        if line.startswith("<!-- a study") or line.startswith("<!-- not run"):
+        if line.startswith(("<!-- a study", "<!-- continued", "<!-- not run")):
             marks.append((number + 1, line))
         elif line.strip() and not line.startswith("<!--"):
             marks = []
@@ -115,18 +116,21 @@ class Runner:
             read = [(number, MARK.match(mark)) for number, mark in marks]
             for number, mark in read:
                 if not mark:
-                    self.check(f"{name}:{number}: a mark of code", "is neither <!-- a study --> nor <!-- not run: REASON -->")
+                    self.check(f"{name}:{number}: a mark of code", "is none of <!-- a study -->, <!-- continued --> and <!-- not run: REASON -->")
             marks = [mark for _, mark in read if mark]
             if any(mark[1] == "a study" for mark in marks):
                 self.counts["ran"] += 1
                 self.check(f"{name}:{begin}: a study", self.study(code))
                 continue
+            continued = any(mark[1] == "continued" for mark in marks)
+            marks = [mark for mark in marks if mark[1] != "continued"]
             if any(not mark["beginning"] for mark in marks):
                 self.counts["not run"] += 1
                 continue
             beginnings = [mark["beginning"] for mark in marks]
             used = set()
-            self.provide()
+            if not continued:
+                self.provide()
             for number, command in commands(begin, code):
                 skipping = next((b for b in beginnings if command.startswith(b)), None)
                 if skipping is not None:

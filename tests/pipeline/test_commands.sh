@@ -50,6 +50,12 @@ page "a mark without a matching command" 'no command begins so' 'Do:\n\n<!-- not
 page "a mark that does not directly precede its block" 'not ok - page.md:5: false' '<!-- not run: long -->\n\nDo:\n\n    false\n'
 page "a fenced command that fails" 'not ok - page.md:2: false' '```sh\nfalse\n```\n'
 page "a study that is refused" "key 'geometry.width'" '<!-- a study -->\n\n    based_on = "organ-mini"\n    [geometry]\n    width = 3\n'
+page "a block that is not continued, after a study" 'not ok - page.md:7: test -e fem/studies/later.toml' \
+    'Do:\n\n    tissuectl new later --shape fem/organ.geo --trust-geo --unit mm --held bed\n\nand\n\n    test -e fem/studies/later.toml\n'
+printf '%b' 'Do:\n\n    tissuectl new later --shape fem/organ.geo --trust-geo --unit mm --held bed\n\n<!-- continued -->\n\n    test -e fem/studies/later.toml\n' >"$scratch/page.md"
+run "$PYTHON" -B "$root/tests/pipeline/doc_commands.py" "$scratch" "$work" page.md
+rm "$work/fem/studies/later.toml"
+check "a continued block has the study of the block before it" exited 0
 page "an unknown option" 'tissuectl export has no option --format' 'Run `tissuectl export --format sofa`.\n'
 page "an unknown target" 'make has no target cake' 'Run `make cake`.\n'
 page "an unknown command" 'tissuectl has no command bake' 'Run `tissuectl bake --hot`.\n'
