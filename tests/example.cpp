@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "error.h"
 #include "mesh/embedded_block.h"
 #include "mesh/cells.h"
 #include "springs/energy_model_terms.h"
@@ -139,6 +140,28 @@ Cases example_cases(const Study& study, const Eigen::VectorXd& theta) {
         cases.paths.push_back(path);
     }
     return cases;
+}
+
+LoadPath path_as_solved(const PlannedPath& planned, const std::function<NodeField(int)>& u) {
+    LoadPath path;
+    path.name = planned.push.name;
+    path.contact_m = planned.push.contact_m;
+    path.direction = planned.push.direction;
+    path.role = planned.role;
+    path.depth_m = planned.depth_m;
+    for (int r = 0; r <= planned.records; ++r) {
+        const NodeField moved = u(r);
+        path.records.push_back({planned.depth_m * r / planned.records, moved, 2 * moved, planned.push.direction * r, planned.push.direction * -r, 0.1 * r, 1 - 0.01 * r, r, 1e-12});
+    }
+    return path;
+}
+
+void read_load_cases(const std::string& file) {
+    const Cases cases = read_cases(file);
+    try {
+        load_cases(cases);
+    } catch (const MismatchError&) {
+    }
 }
 
 TrainedModel example_model(const Study& study, const Cases& cases, const Eigen::VectorXd& theta) {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "cases/load_path.h"
+#include "cases/sweep.h"
 #include "study/study.h"
 #include "train/training_diagnostics.h"
 
@@ -41,6 +43,13 @@ Eigen::VectorXd example_theta(const SpringMesh& mesh);
 
 /// A reference that is itself a spring mesh with stiffness theta (grid8, axial), so that springs can match it exactly.
 Cases example_cases(const Study& study, const Eigen::VectorXd& theta);
+
+/// A load path as if it was solved, with the displacements u(record) and arbitrary forces and numbers.
+LoadPath path_as_solved(const PlannedPath& planned, const std::function<NodeField(int)>& u);
+
+/// Reads cases and sorts them into load cases. A study that asks for a magnitude which no record has is no fault of the
+/// file, and passes.
+void read_load_cases(const std::string& file);
 
 /// A model trained on these cases, with every trained set replaced by theta.
 TrainedModel example_model(const Study& study, const Cases& cases, const Eigen::VectorXd& theta);

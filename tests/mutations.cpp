@@ -6,11 +6,22 @@
 #include <catch2/catch.hpp>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <stdexcept>
 
+#include "error.h"
+#include "example.h"
+
 namespace tissue {
 namespace {
+
+/// One alteration of one dataset of a file.
+struct Mutation {
+    std::string name;                                ///< "one row added"
+    std::function<void(const std::string&)> apply;   ///< alters the file with this name
+    bool must_be_refused = true;                     ///< false: the altered file may be valid
+};
 
 void put(const std::string& file, const std::string& dataset, const Array* array) {
     const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
@@ -70,7 +81,6 @@ Array with_columns(const Array& a, int change) {
     return b;
 }
 
-
 }  // namespace
 
 std::vector<std::pair<std::string, const DatasetRule*>> datasets_of(const std::string& file, const DatasetTable& table) {
@@ -81,6 +91,8 @@ std::vector<std::pair<std::string, const DatasetRule*>> datasets_of(const std::s
         }
     return found;
 }
+
+namespace {
 
 std::vector<Mutation> mutations(const std::string& file, const std::string& dataset, const DatasetTable& table) {
     const Hdf5Reader in(file, "");
@@ -171,6 +183,32 @@ std::vector<Mutation> mutations(const std::string& file, const std::string& data
         }
     }
     return all;
+}
+
+}  // namespace
+
+int refused_mutations(const std::string& file, const DatasetTable& table, const std::function<void(const std::string&)>& read,
+                      const std::string& place, const std::function<bool(const std::string&)>& wanted) {
+    const TemporaryFolder folder;
+    const std::string copy = folder.file("altered.h5");
+    int refused = 0;
+    for (const auto& [dataset, rule] : datasets_of(file, table)) {
+        if (wanted && !wanted(dataset)) continue;
+        for (const Mutation& mutation : mutations(file, dataset, table)) {
+            INFO(dataset << ": " << mutation.name);
+            std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
+            mutation.apply(copy);
+            try {
+                read(copy);
+                CHECK_FALSE(mutation.must_be_refused);
+            } catch (const FileError& e) {
+                ++refused;
+                CHECK_THAT(e.what(), Catch::Matchers::StartsWith(copy + ": " + place));
+                CHECK(std::string(e.what()).find('\n') == std::string::npos);
+            }
+        }
+    }
+    return refused;
 }
 
 }  // namespace tissue

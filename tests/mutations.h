@@ -2,22 +2,20 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/dataset_table.h"
 
 namespace tissue {
 
-/// One alteration of one dataset of a file.
-struct Mutation {
-    std::string name;                                ///< "one row added"
-    std::function<void(const std::string&)> apply;   ///< alters the file with this name
-    bool must_be_refused = true;                     ///< false: the altered file may be valid
-};
-
-/// All alterations of a dataset of the file that follow from its rule: missing, of another type or shape, and with
-/// values that are not finite, out of range or repeated.
-std::vector<Mutation> mutations(const std::string& file, const std::string& dataset, const DatasetTable& table);
+/// Alters one dataset of the file at a time, as its rule suggests: missing, of another type or shape, and with values
+/// that are not finite, out of range or repeated. Calls read with each altered copy. Fails the test if a copy that
+/// violates the rule is read, or if a FileError is not one line that begins with the copy's name and `place`. Returns
+/// the number of copies that were refused. wanted: which datasets are altered; without it all that the table has a rule
+/// for.
+int refused_mutations(const std::string& file, const DatasetTable& table, const std::function<void(const std::string&)>& read,
+                      const std::string& place = "/", const std::function<bool(const std::string&)>& wanted = {});
 
 /// Datasets of the file that the table has a rule for, with the rules. A rule with "NAME" covers a dataset of every
 /// group.

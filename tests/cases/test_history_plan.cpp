@@ -128,7 +128,7 @@ TEST_CASE("a ramp follows minimum jerk and holds; a release returns in the time 
         if (h.kind != "ramp" && h.kind != "release") continue;
         INFO(h.push.name);
         const Study::Histories& group = group_of(study, h);
-        const double end_s = h.trajectory.time_s[h.trajectory.time_s.size() - 1], strokes = h.kind == "ramp" ? 1 : 2, rise_s = end_s / strokes - group.hold_s;
+        const double end_s = h.trajectory.time_s[h.trajectory.time_s.size() - 1], ramps = h.kind == "ramp" ? 1 : 2, rise_s = end_s / ramps - group.hold_s;
         CHECK(rise_s >= group.rise_s[0] - 1e-9);
         CHECK(rise_s <= group.rise_s[1] + 1e-9);
         for (Eigen::Index t = 0; t < h.trajectory.time_s.size(); ++t) {
@@ -202,8 +202,8 @@ TEST_CASE("the plan solves histories in permanent contact on relaxing and on ela
     for (const char* name : {"ramp-0001", "ramp-0001-elastic"})
         CHECK_THAT(plan.fragment, Contains(std::string("$(R)/cases/") + name + ".csv: $(R)/plan/path-" + name + " $(R)/plan/history-ramp-0001 $(R)/mesh.msh"));
     CHECK_THAT(plan.fragment, Contains(" -history $(R)/plan/history-ramp-0001 ") && Contains(" ramp-0001 ramp-0001-elastic "));
-    const std::string& trajectory = plan.parts.at("history-ramp-0001");
-    CHECK(trajectory.substr(0, trajectory.find('\n')) == "0 0 0 0 1");
+    const std::string& steps = plan.parts.at("history-ramp-0001");
+    CHECK(steps.substr(0, steps.find('\n')) == "0 0 0 0 1");
     CHECK_THAT(plan.parts.at("collect"), Contains("history ramp held_out ramp-0001\n") && Contains("history poke validation poke-0001\n"));
 }
 

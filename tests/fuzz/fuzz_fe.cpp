@@ -1,8 +1,8 @@
-// CSV files of load paths and displacement histories by finite elements, and of displacement histories by the user
-// (Course), in the plane and in space.
-#include "cases/trajectory.h"
+// CSV files of load paths and displacement histories by finite elements, and of trajectories by the user, in the plane
+// and in space.
 #include "cases/history.h"
 #include "cases/load_path.h"
+#include "cases/trajectory.h"
 #include "fuzz_file.h"
 
 using namespace tissue;
@@ -22,8 +22,8 @@ FUZZ_TARGET(fe)(const std::uint8_t* data, std::size_t size) {
             must(h.time_s.allFinite() && h.push_m.allFinite() && h.force_N.allFinite(), "not finite");
         });
         reads([&] {
-            const Trajectory course = read_trajectory(file, D);
-            must(course.time_s.allFinite() && course.push_m.allFinite(), "not finite");
+            const Trajectory trajectory = read_trajectory(file, D);
+            must(trajectory.time_s.allFinite() && trajectory.push_m.allFinite(), "not finite");
         });
     }
     return 0;

@@ -34,6 +34,32 @@ struct Clock {
 
 constexpr Clock clocks[] = {{"on time", 0, 0}, {"jitter 0.3 ms", 3e-4, 0}, {"2 % late", 0, 0.02}};
 
+/// A hand that is led along straight lines whatever the force, and its work [J].
+struct Led {
+    Simulation simulation;
+    Eigen::Vector3d at, force_N = Eigen::Vector3d::Zero();
+    double work_J = 0, period_s;
+    bool grasp = false;
+
+    Led(const HapticModel& model, const Eigen::Vector3d& from, double period = 1e-3) : simulation(model), at(from), period_s(period) { tick(from); }
+    void tick(const Eigen::Vector3d& to) {
+        work_J -= force_N.dot(to - at);
+        at = to;
+        DeviceSample sample;
+        sample.position_m = to;
+        sample.grasp = grasp;
+        force_N = simulation.tick(sample, period_s);
+    }
+    void lead(const Eigen::Vector3d& to, double speed_m_s = 0.02) {
+        const Eigen::Vector3d from = at;
+        const int count = static_cast<int>(std::ceil((to - from).norm() / speed_m_s / period_s));
+        for (int k = 1; k <= count; ++k) tick(from + static_cast<double>(k) / count * (to - from));
+    }
+    void wait(double seconds) {
+        for (long left = std::lround(seconds / period_s); left > 0; --left) tick(at);
+    }
+};
+
 /// A hand that moves freely under a constant force from a contact on.
 struct Release {
     Point contact_m, inward;   ///< place, and unit vector into the tissue, along which the force acts

@@ -38,30 +38,6 @@ struct Ball {
     explicit Ball(double radius_m) : Ball(radius_m, with_ball(radius_m)) {}
 };
 
-/// A hand that is led along a straight path, and the work that it does [J].
-struct Led {
-    Simulation simulation;
-    Eigen::Vector3d at, force = Eigen::Vector3d::Zero();
-    double work_J = 0, period_s = 1e-3;
-
-    Led(const HapticModel& model, const Eigen::Vector3d& from, double period = 1e-3) : simulation(model), at(from), period_s(period) { tick(from); }
-    void tick(const Eigen::Vector3d& to) {
-        work_J -= force.dot(to - at);
-        at = to;
-        DeviceSample sample;
-        sample.position_m = to;
-        force = simulation.tick(sample, period_s);
-    }
-    void lead(const Eigen::Vector3d& to, double speed_m_s = 0.02) {
-        const Eigen::Vector3d from = at;
-        const int count = static_cast<int>(std::ceil((to - from).norm() / speed_m_s / period_s));
-        for (int k = 1; k <= count; ++k) tick(from + static_cast<double>(k) / count * (to - from));
-    }
-    void wait(int ticks) {
-        for (int k = 0; k < ticks; ++k) tick(at);
-    }
-};
-
 }  // namespace
 
 TEST_CASE("a ball in the tick settles at the force and displacement of its static equilibrium along normal and oblique indentations", "[solid][simulation]") {
@@ -75,7 +51,7 @@ TEST_CASE("a ball in the tick settles at the force and displacement of its stati
                 Led hand(ball.model, place - 0.002 * way);
                 hand.lead(place - 0.0001 * way);
                 hand.lead(place + depth * radius_m * way, 0.001);
-                hand.wait(3000);
+                hand.wait(3);
                 const TickRecord& r = hand.simulation.record();
                 REQUIRE(r.mesh == 0);
                 const Equilibrium rest = answer.at(ball.model.meshes[0]->springs.rest_place(r.facet, r.weight), hand.simulation.displacement_at_contact(0));
@@ -95,16 +71,16 @@ TEST_CASE("the force of a ball rises without jumps to a depth of 1.6 radii and v
     double before = 0, least = 1, largest = 0;
     for (int k = 1; k <= 32; ++k) {  // to 1.6 R
         hand.lead(place + 0.25e-3 * k * inward);
-        hand.wait(1000);
-        const double now = hand.force.norm();
+        hand.wait(1);
+        const double now = hand.force_N.norm();
         if (k > 4) least = std::min(least, now / before - 1), largest = std::max(largest, now / before - 1);
         before = now;
     }
     CHECK(least > 0.01);
     CHECK(largest < 0.42);  // d^1.5 from 1 to 1.25 mm: 0.40
     hand.lead(place - 0.002 * inward);
-    hand.wait(100);
-    CHECK(hand.force.norm() == 0);
+    hand.wait(0.1);
+    CHECK(hand.force_N.norm() == 0);
     CHECK(hand.simulation.record().mesh == -1);
 }
 
@@ -144,13 +120,13 @@ TEST_CASE("the rest force of a ball is independent of the host rate and cycles f
     const auto rest = [&](double rate_Hz) {
         Led hand(ball.model, place - 0.005 * way, 1 / rate_Hz);
         hand.lead(place + 0.005 * way, 0.05);
-        hand.wait(static_cast<int>(3 * rate_Hz));
-        const Eigen::Vector3d force = hand.force;
+        hand.wait(3);
+        const Eigen::Vector3d force = hand.force_N;
         const double in_J = hand.work_J;
         hand.lead(place - 0.005 * way, 0.05);
-        hand.wait(10);
+        hand.wait(10 / rate_Hz);
         INFO(rate_Hz << " Hz: " << hand.work_J << " J in the cycle");
-        CHECK(hand.force.norm() == 0);
+        CHECK(hand.force_N.norm() == 0);
         // at 20 Hz the hand moves 2.5 mm per tick, and the tissue stiffens meanwhile
         CHECK(hand.work_J > (rate_Hz < 50 ? -0.01 * in_J : 0));
         return force;
@@ -171,12 +147,12 @@ TEST_CASE("a ball driven deeper by a slow host stays in contact at the device's 
             const Ball ball(0.010, options);
             Led hand(ball.model, place - 0.005 * inward, 1 / rate_Hz);
             hand.lead(place + 0.010 * inward, 0.1);
-            hand.wait(20);
+            hand.wait(20 / rate_Hz);
             for (int k = 0; k < 50; ++k) {
-                hand.wait(1);
+                hand.tick(hand.at);
                 INFO(force_max_N << " N, " << rate_Hz << " Hz, tick " << k);
                 REQUIRE(hand.simulation.record().mesh == 0);
-                REQUIRE(hand.force.norm() == Approx(force_max_N).epsilon(1e-3));
+                REQUIRE(hand.force_N.norm() == Approx(force_max_N).epsilon(1e-3));
             }
         }
 }
@@ -234,7 +210,7 @@ TEST_CASE("a copied session with a ball continues bit for bit and its ticks allo
         if (force_max_N < 1) CHECK(hand.simulation.record().coupling_N.norm() < 1.001 * force_max_N);
         // After withdrawal the session and its copy save equal bytes.
         hand.lead(place - 0.002 * inward);
-        hand.wait(200);
+        hand.wait(0.2);
         CHECK(hand.simulation.record().mesh == -1);
         std::vector<std::byte> one(hand.simulation.state_size()), other(one.size());
         hand.simulation.save(one.data());
@@ -250,7 +226,7 @@ TEST_CASE("a ball at the force limit slides without energy gain and with contact
     const Ball ball(0.010, options);
     Led hand(ball.model, place - 0.001 * inward);
     hand.lead(place + 0.006 * inward);
-    hand.wait(300);
+    hand.wait(0.3);
     REQUIRE(hand.simulation.held_back());
     const double work_J = hand.work_J, dissipated_J = hand.simulation.friction().dissipated_J();
     double before_m = hand.simulation.tool().growth().radius_m, largest_m = 0, slid = 0;
@@ -261,7 +237,7 @@ TEST_CASE("a ball at the force limit slides without energy gain and with contact
         const double now_m = hand.simulation.tool().growth().radius_m;
         largest_m = std::max(largest_m, std::abs(now_m / before_m - 1));
         before_m = now_m;
-        REQUIRE(hand.force.norm() < 1.001 * 0.2);
+        REQUIRE(hand.force_N.norm() < 1.001 * 0.2);
     }
     CHECK(slid > 100);
     CHECK(largest_m < 0.05);
@@ -276,7 +252,7 @@ TEST_CASE("a ball also indents the mesh beside and keeps its force after a take-
     REQUIRE(ball.model.meshes.size() == 2);
     Led hand(ball.model, place - 0.001 * inward);
     hand.lead(place + 0.003 * inward);
-    hand.wait(2000);
+    hand.wait(2);
     const Eigen::Vector3d beside = hand.simulation.displacement_at_contact(1);
     CHECK(beside.allFinite());
     CHECK(beside.dot(inward) > 0.001);
@@ -288,7 +264,7 @@ TEST_CASE("a ball also indents the mesh beside and keeps its force after a take-
     sample.position_m = hand.at;
     Eigen::Vector3d force;
     for (int k = 0; k < 2000; ++k) force = next.tick(sample);
-    CHECK((force - hand.force).norm() < 0.02 * hand.force.norm());
+    CHECK((force - hand.force_N).norm() < 0.02 * hand.force_N.norm());
 }
 
 TEST_CASE("a tool is parsed as shape and radius and a model refuses a tool that it was not made for", "[solid][simulation]") {

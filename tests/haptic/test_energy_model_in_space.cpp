@@ -6,12 +6,12 @@
 #include <random>
 
 #include "../mesh/embedded_block.h"
-#include "../allocations.h"
 #include "../example.h"
 #include "../mesh/dome.h"
 #include "../refusal.h"
 #include "../solid_model_example.h"
 #include "error.h"
+#include "tick_forces.h"
 #include "haptic/dynamics.h"
 #include "mesh/embedded_lattice.h"
 #include "haptic/energy_model_spectrum.h"
@@ -34,8 +34,6 @@ namespace {
 /// A block of whole cubes, and a solid whose surface cuts cubes.
 std::vector<SpringMesh> meshes() { return {embedded_block(Lattice{{5, 6, 2}, {0.05, 0.06, 0.02}}), embedded_lattice(dome(6), 0.011)}; }
 
-RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_model->curve, model.node_mass_kg}; }
-
 /// Squared angular frequencies of the free nodes, ascending [1/s2].
 Eigen::VectorXd eigenvalues(const RealtimeMesh& mesh, const Eigen::MatrixXd& K) {
     std::vector<int> free;
@@ -54,26 +52,11 @@ TEST_CASE("in space forces and energy in the tick equal those of the trained ene
     for (const SpringMesh& mesh : meshes())
         for (double size : {1e-6, 1e-3, 3e-3}) {
             const TissueModel model = solid_model_example(mesh);
-            const RealtimeMesh springs = springs_of(model);
-            const RealtimeEnergyModel energy_model(model, springs);
             const TissueEnergy energy(mesh, *model.energy_model);
             NodeField u = scattered(mesh, size);
             energy.complete(u);
-            const NodeField expected = energy.force(model.energy_model->constants, u);
-            NodeColumns f = NodeColumns::Ones(mesh.node_count(), 3);
-            RealtimeEnergyModel::Scratch scratch = energy_model.scratch();
-            long allocations = 0;
-            {
-                const NodeColumns columns = u;
-                const Allocations none;
-                energy_model.force(columns, f, scratch);
-                allocations = Allocations::count();
-            }
             INFO(mesh.topology << " " << size);
-            // l - L cancels in the tick's springs
-            CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());
-            CHECK(energy_model.energy(u) == Approx(energy.energy(model.energy_model->constants, u)).epsilon(1e-9));
-            CHECK(allocations == 0);
+            check_tick_forces(model, energy, u, size < 1e-5 ? 1e-9 : 1e-12, 1e-9);  // l - L cancels in the tick's springs
         }
 }
 

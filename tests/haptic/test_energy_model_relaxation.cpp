@@ -12,6 +12,7 @@
 #include "haptic/realtime_energy_model.h"
 #include "haptic/simulation.h"
 #include "haptic_example.h"
+#include "tick_forces.h"
 #include "mesh/free_surface.h"
 #include "springs/indentation_solver.h"
 #include "springs/tissue_energy.h"
@@ -54,8 +55,6 @@ double unit_energy(const TissueEnergy& energy, Eigen::Index element, const NodeF
     while (element >= energy.first_of(kind) + energy.kinds()[kind]->count()) ++kind;
     return energy.kinds()[kind]->energy(static_cast<int>(element - energy.first_of(kind)), u);
 }
-
-RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_model->curve, model.node_mass_kg}; }
 
 }  // namespace
 

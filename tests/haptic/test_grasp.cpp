@@ -31,37 +31,12 @@ HapticOptions one_mesh(double friction = std::numeric_limits<double>::infinity()
     return options;
 }
 
-/// Leads a tool, and adds up the work of the hand [J].
-struct Led {
-    Simulation s;
-    Eigen::Vector3d at, force_N = Eigen::Vector3d::Zero();
-    double work_J = 0, period_s;
-    bool grasp = false;
-
-    Led(const HapticModel& model, const Eigen::Vector3d& from, double period = 1e-3) : s(model), at(from), period_s(period) { tick(from); }
-    void tick(const Eigen::Vector3d& to) {
-        work_J -= force_N.dot(to - at);
-        at = to;
-        DeviceSample sample;
-        sample.position_m = to;
-        sample.grasp = grasp;
-        force_N = s.tick(sample, period_s);
-    }
-    void lead(const Eigen::Vector3d& to, double speed_m_s = 0.02) {
-        const Eigen::Vector3d from = at;
-        const int count = static_cast<int>(std::ceil((to - from).norm() / speed_m_s / period_s));
-        for (int k = 1; k <= count; ++k) tick(from + static_cast<double>(k) / count * (to - from));
-    }
-    void wait(double seconds) {
-        for (double t = 0; t < seconds; t += period_s) tick(at);
-    }
-    /// Touches a place, and grasps it.
-    void take(const Eigen::Vector3d& contact_m, double depth_m = 5e-4) {
-        lead(contact_m + depth_m * inward);
-        grasp = true;
-        wait(0.1);
-    }
-};
+/// Touches a place, and grasps it.
+void take(Led& hand, const Eigen::Vector3d& contact_m, double depth_m = 5e-4) {
+    hand.lead(contact_m + depth_m * inward);
+    hand.grasp = true;
+    hand.wait(0.1);
+}
 
 Eigen::Vector3d above(const Eigen::Vector3d& at) { return at - 0.005 * inward; }
 
@@ -73,11 +48,11 @@ TEST_CASE("a tool that grasps lifts the tissue to the equilibrium of the energy 
     const IndentationSolver solver(tissue);
     for (const double rate_Hz : {1000.0, 4000.0, 100.0}) {
         Led hand(model, above(place), 1 / rate_Hz);
-        hand.take(place);
+        take(hand, place);
         for (const Eigen::Vector3d& pull : {Eigen::Vector3d(-0.006 * inward), Eigen::Vector3d(0.003, -0.002, 0.005)}) {
             hand.lead(place + pull);
             hand.wait(3);
-            const TickRecord& r = hand.s.record();
+            const TickRecord& r = hand.simulation.record();
             INFO(rate_Hz << " Hz, " << pull.transpose() << " m");
             REQUIRE(r.mesh == 0);
             CHECK(r.grasped);
@@ -97,22 +72,22 @@ TEST_CASE("a tool without a grasp leaves the tissue and a grasp that goes off dr
     Led hand(model, above(place));
     hand.lead(place + 5e-4 * inward);
     hand.lead(place - 0.004 * inward);
-    CHECK(hand.s.record().mesh == -1);
+    CHECK(hand.simulation.record().mesh == -1);
     CHECK(hand.force_N.isZero(0));
 
-    hand.take(place);
+    take(hand, place);
     hand.lead(place - 0.004 * inward);
     hand.wait(0.3);
     REQUIRE(hand.force_N.norm() > 0.01);
     hand.grasp = false;
     hand.tick(hand.at);
     CHECK(hand.force_N.isZero(0));
-    CHECK(hand.s.record().mesh == -1);
+    CHECK(hand.simulation.record().mesh == -1);
     hand.wait(1);
     CHECK(hand.force_N.isZero(0));
-    CHECK(hand.s.let_go() == 0);
+    CHECK(hand.simulation.let_go() == 0);
     // inside the tissue the contact goes on as any other
-    hand.take(place);
+    take(hand, place);
     hand.lead(place + 0.003 * inward);
     hand.wait(0.5);
     const Eigen::Vector3d held_N = hand.force_N;
@@ -126,32 +101,32 @@ TEST_CASE("a grasp lets go above its limit and begins again only when it has bee
     options.grasp_max_N = 0.1;
     const HapticModel model(graspable_solid(), options);
     Led hand(model, above(place));
-    hand.take(place);
+    take(hand, place);
     double most_N = 0;
-    for (int k = 0; k < 1000 && hand.s.grasps(); ++k) {
+    for (int k = 0; k < 1000 && hand.simulation.grasps(); ++k) {
         hand.tick(hand.at - 1e-5 * inward);
-        most_N = std::max(most_N, hand.s.record().coupling_N.norm());
+        most_N = std::max(most_N, hand.simulation.record().coupling_N.norm());
     }
-    CHECK(!hand.s.grasps());
+    CHECK(!hand.simulation.grasps());
     CHECK(most_N > 0.1);
     CHECK(most_N < 0.105);
-    CHECK(hand.s.let_go() == 1);
+    CHECK(hand.simulation.let_go() == 1);
     hand.tick(hand.at);
     CHECK(hand.force_N.isZero(0));
     hand.lead(above(place));
     hand.lead(place + 5e-4 * inward);  // still on: it presses, and holds nothing
     hand.wait(0.2);
-    CHECK(hand.s.record().mesh == 0);
-    CHECK(!hand.s.grasps());
+    CHECK(hand.simulation.record().mesh == 0);
+    CHECK(!hand.simulation.grasps());
     hand.grasp = false;
     hand.wait(0.01);
-    hand.take(place);
-    CHECK(hand.s.grasps());
-    HapticOptions other = hand.s.options();
+    take(hand, place);
+    CHECK(hand.simulation.grasps());
+    HapticOptions other = hand.simulation.options();
     other.grasp_max_N = 1;
-    hand.s.change(other);
+    hand.simulation.change(other);
     hand.lead(place - 0.004 * inward);
-    CHECK(hand.s.grasps());
+    CHECK(hand.simulation.grasps());
 }
 
 TEST_CASE("a grasp in the air takes nothing, and neither does one of a ball", "[grasp]") {
@@ -159,29 +134,29 @@ TEST_CASE("a grasp in the air takes nothing, and neither does one of a ball", "[
     Led hand(model, above(place));
     hand.grasp = true;
     hand.lead(place + 0.002 * inward);
-    CHECK(hand.s.record().mesh == 0);
-    CHECK(hand.s.record().grasp);
-    CHECK(!hand.s.grasps());
+    CHECK(hand.simulation.record().mesh == 0);
+    CHECK(hand.simulation.record().grasp);
+    CHECK(!hand.simulation.grasps());
     hand.lead(above(place));
-    CHECK(hand.s.record().mesh == -1);
+    CHECK(hand.simulation.record().mesh == -1);
     // the button goes down in the tick in which the tool has left the tissue
     hand.grasp = false;
     hand.lead(place + 0.001 * inward);
-    REQUIRE(hand.s.record().mesh == 0);
+    REQUIRE(hand.simulation.record().mesh == 0);
     hand.grasp = true;
     hand.tick(place - 0.0009 * inward);
-    CHECK(!hand.s.grasps());
+    CHECK(!hand.simulation.grasps());
 
     // nor where the contact was not trained to be pulled
     const HapticModel pressed(solid_example(), one_mesh());
     CHECK(!pressed.grasps());
     Led third(pressed, above(place));
-    third.take(place);
-    CHECK(!third.s.grasps());
+    take(third, place);
+    CHECK(!third.simulation.grasps());
     HapticOptions limited = one_mesh();
     limited.grasp_max_N = 1;
     CHECK_THROWS_WITH(HapticModel(solid_example(), limited), Contains("cannot grasp"));
-    CHECK_THROWS_WITH(third.s.change(limited), Contains("cannot grasp"));
+    CHECK_THROWS_WITH(third.simulation.change(limited), Contains("cannot grasp"));
 
     HapticOptions with_ball = one_mesh();
     with_ball.tool = {{ToolChoice::Shape::ball, 0.008}};
@@ -193,30 +168,30 @@ TEST_CASE("a grasp in the air takes nothing, and neither does one of a ball", "[
     const HapticModel ball(pulled, with_ball);
     const Eigen::Vector3d top(0.021, 0.033, 0.02);
     Led other(ball, above(top));
-    other.take(top, 0.002);
-    CHECK(!other.s.grasps());
-    CHECK(other.s.record().mesh == 0);
+    take(other, top, 0.002);
+    CHECK(!other.simulation.grasps());
+    CHECK(other.simulation.record().mesh == 0);
 }
 
 TEST_CASE("tissue that is grasped does not slip from a tool with little friction", "[grasp]") {
     const HapticModel model(graspable_solid(), one_mesh(0.1));
     Led hand(model, above(place));
-    hand.take(place, 0.002);
-    const int facet = hand.s.record().facet;
-    const Eigen::Vector3d weight = hand.s.record().weight;
-    const double before_J = hand.s.friction().dissipated_J();
+    take(hand, place, 0.002);
+    const int facet = hand.simulation.record().facet;
+    const Eigen::Vector3d weight = hand.simulation.record().weight;
+    const double before_J = hand.simulation.friction().dissipated_J();
     hand.lead(place + 0.002 * inward + Eigen::Vector3d(0.004, 0, 0));
     hand.wait(0.5);
-    CHECK(hand.s.record().facet == facet);
-    CHECK(hand.s.record().weight == weight);
-    CHECK(!hand.s.record().slipping);
+    CHECK(hand.simulation.record().facet == facet);
+    CHECK(hand.simulation.record().weight == weight);
+    CHECK(!hand.simulation.record().slipping);
     const Eigen::Vector3d f = hand.force_N;
     CHECK(-f.x() > 0.3 * std::abs(f.z()));
-    CHECK(hand.s.friction().dissipated_J() == before_J);
+    CHECK(hand.simulation.friction().dissipated_J() == before_J);
     hand.grasp = false;
     hand.wait(0.5);
     CHECK(std::hypot(hand.force_N.x(), hand.force_N.y()) < 0.11 * hand.force_N.z());
-    CHECK(hand.s.friction().dissipated_J() > before_J);
+    CHECK(hand.simulation.friction().dissipated_J() > before_J);
 }
 
 TEST_CASE("a hand that grasps and goes round gets no energy out of the tissue", "[grasp]") {
@@ -228,7 +203,7 @@ TEST_CASE("a hand that grasps and goes round gets no energy out of the tissue", 
         hand.lead(top + 0.001 * down);
         hand.grasp = true;
         hand.wait(0.05);
-        REQUIRE(hand.s.grasps());
+        REQUIRE(hand.simulation.grasps());
         double most_given_J = 0;
         for (int round = 0; round < 6; ++round)
             for (const Eigen::Vector3d& to : {Eigen::Vector3d(0.003, 0.004, 0), Eigen::Vector3d(-0.003, 0.005, 0), Eigen::Vector3d(-0.002, -0.004, 0), Eigen::Vector3d(0.002, -0.003, 0)}) {
@@ -250,38 +225,38 @@ TEST_CASE("a grasp lets go where the force on the tissue is limited by the devic
     options.grasp_max_N = 1;
     const HapticModel model(graspable_solid(), options);
     Led hand(model, above(place));
-    hand.take(place);
-    for (int k = 0; k < 2000 && hand.s.grasps(); ++k) hand.tick(hand.at - 1e-5 * inward);
-    CHECK(hand.s.let_go() == 1);
+    take(hand, place);
+    for (int k = 0; k < 2000 && hand.simulation.grasps(); ++k) hand.tick(hand.at - 1e-5 * inward);
+    CHECK(hand.simulation.let_go() == 1);
 
     const HapticModel free(graspable_solid(), one_mesh());
     Led other(free, above(place));
-    other.take(place);
-    REQUIRE(other.s.grasps());
+    take(other, place);
+    REQUIRE(other.simulation.grasps());
     DeviceSample sample;
     sample.position_m = place - 0.02 * inward;
     sample.grasp = true;
-    const Eigen::Vector3d late_N = other.s.tick(sample, 0.4);
-    INFO(late_N.transpose() << " N; contact " << other.s.contact().contact << " pressing " << other.s.contact().pressing << " late " << other.s.record().late << " coupling " << other.s.record().coupling_N.transpose());
-    CHECK(other.s.record().coupling_N.isZero(0));  // the passivity controller may still slow the hand
-    CHECK(!other.s.grasps());
-    CHECK(other.s.let_go() == 0);
+    const Eigen::Vector3d late_N = other.simulation.tick(sample, 0.4);
+    INFO(late_N.transpose() << " N; contact " << other.simulation.contact().contact << " pressing " << other.simulation.contact().pressing << " late " << other.simulation.record().late << " coupling " << other.simulation.record().coupling_N.transpose());
+    CHECK(other.simulation.record().coupling_N.isZero(0));  // the passivity controller may still slow the hand
+    CHECK(!other.simulation.grasps());
+    CHECK(other.simulation.let_go() == 0);
 }
 
 TEST_CASE("a grasp outlasts a pause in which the hand stands still and no other", "[grasp]") {
     const HapticModel model(graspable_solid(), one_mesh());
     for (const double moved_m : {0.0, 0.002}) {
         Led hand(model, above(place));
-        hand.take(place);
+        take(hand, place);
         DeviceSample sample;
         sample.position_m = hand.at - moved_m * inward;
         sample.grasp = true;
-        CHECK(hand.s.skip_tick(sample, 1e-3).isZero(0));
-        CHECK(hand.s.grasps() == (moved_m == 0));
+        CHECK(hand.simulation.skip_tick(sample, 1e-3).isZero(0));
+        CHECK(hand.simulation.grasps() == (moved_m == 0));
         sample.position_m = hand.at;
         sample.grasp = false;  // the button goes up in a pause
-        hand.s.skip_tick(sample, 1e-3);
-        CHECK(!hand.s.grasps());
+        hand.simulation.skip_tick(sample, 1e-3);
+        CHECK(!hand.simulation.grasps());
     }
 }
 
@@ -291,14 +266,14 @@ TEST_CASE("the force on grasped tissue stays within the limit however far the ha
     const HapticModel model(graspable_solid(), options);
     for (const Eigen::Vector3d& way : {Eigen::Vector3d(0.2, 0, 0.02), Eigen::Vector3d(0.1, 0.1, 0.15), Eigen::Vector3d(0, 0, 0.3)}) {
         Led hand(model, above(place));
-        hand.take(place);
+        take(hand, place);
         const Eigen::Vector3d from = hand.at;
         for (int k = 1; k <= 300; ++k) {
             hand.tick(from + k / 300.0 * way);
-            REQUIRE(hand.s.record().coupling_N.norm() < 0.3 * 1.01);
+            REQUIRE(hand.simulation.record().coupling_N.norm() < 0.3 * 1.01);
         }
-        CHECK(hand.s.grasps());
-        CHECK(hand.s.counters().unstable == 0);
+        CHECK(hand.simulation.grasps());
+        CHECK(hand.simulation.counters().unstable == 0);
         CHECK(hand.force_N.dot(way) < 0);
     }
 }
@@ -309,7 +284,7 @@ TEST_CASE("a hand with mass that hangs on grasped tissue comes to rest", "[grasp
     const IndentationSolver solver(tissue);
     for (const Hand& device : {hands[0], hands[1], hands[3]}) {
         Led led(model, above(place));
-        led.take(place);
+        take(led, place);
         // 20 integration steps a tick, pulled out by a constant force
         Eigen::Vector3d x = led.at, v = Eigen::Vector3d::Zero();
         const Eigen::Vector3d pull_N = -0.2 * inward;
@@ -322,9 +297,9 @@ TEST_CASE("a hand with mass that hangs on grasped tissue comes to rest", "[grasp
             led.tick(x);
             if (k > 5000) lowest = std::min(lowest, x.z()), highest = std::max(highest, x.z());
         }
-        const TickRecord& r = led.s.record();
+        const TickRecord& r = led.simulation.record();
         INFO(device.name << ": swings by " << 1e3 * (highest - lowest) << " mm");
-        REQUIRE(led.s.grasps());
+        REQUIRE(led.simulation.grasps());
         CHECK(highest - lowest < 1e-4);
         CHECK(x.z() > place.z());
         const Equilibrium rest = solver.at(model.meshes[0]->springs.rest_place(r.facet, r.weight), r.contact_displacement_m);
@@ -336,48 +311,48 @@ TEST_CASE("a hand with mass that hangs on grasped tissue comes to rest", "[grasp
 TEST_CASE("a grasp is part of a session's value, and no other model takes over meanwhile", "[grasp][state]") {
     const HapticModel model(graspable_solid(), one_mesh());
     Led hand(model, above(place));
-    hand.take(place);
+    take(hand, place);
     hand.lead(place - 0.003 * inward);
-    std::vector<std::byte> state(hand.s.state_size());
-    hand.s.save(state.data());
+    std::vector<std::byte> state(hand.simulation.state_size());
+    hand.simulation.save(state.data());
     Simulation other(model);
     other.restore(state.data(), state.size());
     CHECK(other.grasps());
     DeviceSample sample;
     sample.position_m = hand.at;
     sample.grasp = true;
-    for (int k = 0; k < 50; ++k) REQUIRE(other.tick(sample, 1e-3) == hand.s.tick(sample, 1e-3));
+    for (int k = 0; k < 50; ++k) REQUIRE(other.tick(sample, 1e-3) == hand.simulation.tick(sample, 1e-3));
 
     Simulation next(model);
-    CHECK_THROWS_WITH(next.follow(hand.s), Contains("grasps"));
+    CHECK_THROWS_WITH(next.follow(hand.simulation), Contains("grasps"));
     sample.grasp = false;
-    hand.s.tick(sample, 1e-3);
+    hand.simulation.tick(sample, 1e-3);
     Simulation free(model);
-    CHECK_NOTHROW(free.follow(hand.s));
-    HapticOptions limited = hand.s.options();
+    CHECK_NOTHROW(free.follow(hand.simulation));
+    HapticOptions limited = hand.simulation.options();
     limited.grasp_max_N = 0.7;
-    hand.s.change(limited);
-    free.take_over(hand.s);  // with the limit that was changed after follow()
+    hand.simulation.change(limited);
+    free.take_over(hand.simulation);  // with the limit that was changed after follow()
     CHECK(free.options().grasp_max_N == 0.7);
     const HapticModel other_model(solid_example(), one_mesh());
     Simulation cannot(other_model);
-    cannot.follow(hand.s);  // a model that cannot grasp has no limit
+    cannot.follow(hand.simulation);  // a model that cannot grasp has no limit
     CHECK(std::isinf(cannot.options().grasp_max_N));
     // by the session's own call, and ended by a fault
     hand.grasp = false;
     hand.lead(above(place));
     hand.lead(place + 5e-4 * inward);
-    hand.s.grasp(true);
+    hand.simulation.grasp(true);
     hand.wait(0.01);
-    CHECK(hand.s.grasps());
+    CHECK(hand.simulation.grasps());
     {
         const Allocations counted;
         hand.wait(0.1);
     }
     CHECK(Allocations::count() == 0);
     sample.position_m.x() = std::nan("");
-    hand.s.tick(sample, 1e-3);
-    CHECK(!hand.s.grasps());
+    hand.simulation.tick(sample, 1e-3);
+    CHECK(!hand.simulation.grasps());
 }
 
 TEST_CASE("the scripted motion pull lifts the top of a solid and lets it go", "[grasp][device]") {

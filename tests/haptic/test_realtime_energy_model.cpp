@@ -4,7 +4,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "../allocations.h"
 #include "../example.h"
 #include "../mesh/disc.h"
 #include "../refusal.h"
@@ -13,6 +12,7 @@
 #include "haptic/energy_model_spectrum.h"
 #include "haptic/spectrum.h"
 #include "haptic_example.h"
+#include "tick_forces.h"
 #include "springs/equilibrium_solver.h"
 
 using namespace tissue;
@@ -21,8 +21,6 @@ using Catch::Matchers::Contains;
 namespace {
 
 std::vector<SpringMesh> meshes() { return {make_lattice("grid8", 10, 10, 0.1, 0.1), make_lattice("grid8", 4, 7, 0.06, 0.1), edge_mesh(disc(24))}; }
-
-RealtimeMesh springs_of(const TissueModel& model) { return {model.mesh, model.energy_model->curve, model.node_mass_kg}; }
 
 /// An energy model with different constants in all elements, so that no element can replace another.
 TissueModel uneven(const SpringMesh& mesh) {
@@ -38,25 +36,9 @@ TEST_CASE("forces and energy in the tick equal those of the trained energy model
     for (const SpringMesh& mesh : meshes())
         for (double size : {1e-6, 1e-3, 4e-3}) {
             const TissueModel model = uneven(mesh);
-            const RealtimeMesh springs = springs_of(model);
-            const RealtimeEnergyModel energy_model(model, springs);
-            const TissueEnergy energy(mesh, true);
-            const NodeField u = scattered(mesh, size);
-            const NodeField expected = energy.force(model.energy_model->constants, u);
-            NodeColumns f(mesh.node_count(), 2);
-            RealtimeEnergyModel::Scratch scratch = energy_model.scratch();
-            long allocations = 0;
-            {
-                const NodeColumns columns = u;
-                const Allocations none;
-                energy_model.force(columns, f, scratch);
-                allocations = Allocations::count();
-            }
             INFO(mesh.topology << " " << size);
             // l - L cancels in the tick's springs
-            CHECK((f - NodeColumns(expected)).norm() <= (size < 1e-5 ? 1e-9 : 1e-12) * expected.norm());
-            CHECK(energy_model.energy(u) == Approx(energy.energy(model.energy_model->constants, u)).epsilon(1e-8));
-            CHECK(allocations == 0);
+            check_tick_forces(model, TissueEnergy(mesh, true), scattered(mesh, size), size < 1e-5 ? 1e-9 : 1e-12, 1e-8);
         }
 }
 

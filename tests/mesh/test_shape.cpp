@@ -147,7 +147,7 @@ TEST_CASE("an invalid mesh of a plane shape is refused with file, place and caus
     CHECK_THAT(said("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"), Contains(":2: ") && Contains("msh22"));
     CHECK_THAT(said("$MeshFormat\n2.2 1 8\n"), Contains(":2: ") && Contains("binary"));
     CHECK_THAT(said("solid\n"), Contains(":1: ") && Contains("not a gmsh mesh"));
-    CHECK_THAT(said(square_text().substr(0, 300)), Contains("is truncated") || Contains("is not"));
+    CHECK_THAT(said(square_text().substr(0, 300)), Contains("some.msh: is truncated: an element is missing"));
     CHECK_THAT(said(with(square_text(), "$Nodes\n6", "$Nodes\n1000001")), Contains("the number of nodes is 1000001; at most 1000000 are read"));
     CHECK_THAT(said(with_element("9 3 2 3 1 1 2 3 4")), Contains("element 9 is a quadrilateral"));
     CHECK_THAT(said(with_element("9 4 2 3 1 1 2 3 5")), Contains("element 9 is a tetrahedron"));
@@ -157,7 +157,8 @@ TEST_CASE("an invalid mesh of a plane shape is refused with file, place and caus
     CHECK_THAT(said(with_element("9 2 2 3 1 1 2 3")), Contains("two triangles overlap"));
     CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 0.5 0.5 0.2"))), Contains("not in the plane") && Contains("z = 0.02"));
     CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 0.5 nan 0"))), Contains("node 5") && Contains("finite"));
-    CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 1.5 0.5 0"))), Contains("overlap") || Contains("overlaps itself"));
+    CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 1.5 0.5 0"))), Contains("some.msh: two triangles overlap at the edge from (0.1, 0) m to (0.15, 0.05) m"));
+    CHECK_THAT(said(square_text(with(nodes, "5 0.5 0.5 0", "5 0.5 -0.5 0"))), Contains("some.msh: two triangles overlap at the edge from (0.05, -0.05) m to (0.1, 0) m"));
     CHECK_THAT(said(square_text(nodes, elements.substr(0, elements.find("5 2")))), Contains("some.msh: has no triangles"));
     const std::string apart = nodes + "10 5 0 0\n11 6 0 0\n12 5 1 0\n";
     CHECK_THAT(said(square_text(apart, elements + "9 2 2 3 1 10 11 12\n")), Contains("one closed loop") && Contains("second part"));
@@ -169,10 +170,4 @@ TEST_CASE("an invalid mesh of a plane shape is refused with file, place and caus
                Contains("no physical surface 'tumour'; it has: soft, hard"));
     CHECK_THAT(refusal<FileError>([&] { make_shape(mesh, {"base", "rest"}, {}, 1); }), Contains("free surface"));
     CHECK_THAT(said(with_element("9 1 2 1 1 1 5")), Contains("fixed curve at") && Contains("not on the outline"));
-}
-
-TEST_CASE("a shape with a node displaced through its outline is refused") {
-    // the centre node is outside the square
-    const std::string outside = with(nodes, "5 0.5 0.5 0", "5 0.5 -0.5 0");
-    CHECK_THROWS_AS(square(square_text(outside)), FileError);
 }

@@ -6,7 +6,6 @@ make_tiny results/tiny/model.h5 -j2
 check "make trains the study" exited 0
 out=$scratch/out
 mkdir "$out"
-exported() { "$PYTHON" "$root/tests/pipeline/exported.py" "$@"; }
 convert() { tissuectl export "$@"; }
 
 convert results/tiny/cases.h5 --to vtu --out "$out/cases"

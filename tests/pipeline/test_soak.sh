@@ -24,7 +24,7 @@ soak = importlib.util.module_from_spec(importlib.util.spec_from_loader("soak", l
 loader.exec_module(soak)
 folder, what = sys.argv[2], sys.argv[3]
 shutil.copy(folder + "/haptic.h5", folder + "/wrong.h5")
-ledger = json.load(open(folder + "/haptic.json"))
+statistics = json.load(open(folder + "/haptic.json"))
 with h5py.File(folder + "/wrong.h5", "r+") as f:
     if what == "a tick later":
         time = f["time"][:]
@@ -35,12 +35,12 @@ with h5py.File(folder + "/wrong.h5", "r+") as f:
         force[(abs(force).sum(1) > 0).argmax() + 50] *= 1.5
         f["device_force"][...] = force
     elif what == "a tick that nobody counted":
-        ledger["ticks"] -= 1
+        statistics["ticks"] -= 1
     elif what == "energy from nowhere":
-        ledger["energy_given_J"] += 1e-6
+        statistics["energy_given_J"] += 1e-6
     elif what == "branches that burn more than there was":
-        ledger["details"]["branches"]["dissipated_J"] *= 1e3
-session = {"ledger": ledger, "record": folder + "/wrong.h5", "watch": types.SimpleNamespace(policy=None, waited_s=0)}
+        statistics["details"]["branches"]["dissipated_J"] *= 1e3
+session = {"ledger": statistics, "record": folder + "/wrong.h5", "watch": types.SimpleNamespace(policy=None, waited_s=0)}
 ticks, recording = soak.judge_ticks(session, 24000)
 judged = {"ticks": ticks, "recording": recording, **soak.judge_energy(session)}
 print(*(name for name, promise in judged.items() if not promise["held"]))

@@ -72,21 +72,7 @@ for file in cases model; do
 done
 
 # ---- exports read back
-out=$scratch/out
-mkdir "$out"
-exported() { "$PYTHON" "$root/tests/pipeline/exported.py" "$@"; }
-for to in vtu csv numpy; do
-    for file in cases model; do
-        tissuectl export results/solid/$file.h5 --to $to --out "$out/$file-$to"
-        check "export of a solid's $file.h5 to $to succeeds" exited 0
-    done
-done
-check "VTK reads hexahedra of positive volume at the nodes of cases.h5" exported cases-vtu "$out/cases-vtu" "$R/cases.h5"
-check "load paths in space exported as CSV are identical when read back" exported cases-csv "$out/cases-csv" "$R/cases.h5"
-check "load paths in space exported as NumPy are identical when read back" exported numpy "$out/cases-numpy" "$R/cases.h5"
-check "forces of tissue and tool computed from the CSV tables in space equal the model's" exported law-csv "$out/model-csv" "$R/model.h5"
-check "forces of tissue and tool computed from the NumPy arrays in space equal the model's" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
-check "VTK reads springs and hexahedra of the energy model at each case" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
+solid_exports "a solid"
 
 # ---- functions of the plane refuse files in space, and change no file
 snapshot "$R" >"$scratch/before"

@@ -151,21 +151,7 @@ tissuectl info results/dome/model.h5
 check "info prints that the model is in 3 dimensions" says "in 3 dimensions"
 
 # ---- exports read back
-out=$scratch/out
-mkdir "$out"
-exported() { "$PYTHON" "$root/tests/pipeline/exported.py" "$@"; }
-for to in vtu csv numpy; do
-    for file in cases model; do
-        tissuectl export results/dome/$file.h5 --to $to --out "$out/$file-$to"
-        check "export of a solid shape's $file.h5 to $to succeeds" exited 0
-    done
-done
-check "VTK reads tetrahedra at the nodes of cases.h5" exported cases-vtu "$out/cases-vtu" "$R/cases.h5"
-check "load paths on a solid shape exported as CSV are identical when read back" exported cases-csv "$out/cases-csv" "$R/cases.h5"
-check "load paths on a solid shape exported as NumPy are identical when read back" exported numpy "$out/cases-numpy" "$R/cases.h5"
-check "forces of tissue and tool computed from the CSV tables of a solid shape equal the model's" exported law-csv "$out/model-csv" "$R/model.h5"
-check "forces of tissue and tool computed from the NumPy arrays of a solid shape equal the model's" exported law-numpy "$out/model-numpy" "$R/model.h5" "$out/model-csv"
-check "VTK reads springs and cubes of the energy model at each case" exported law-vtu "$out/model-vtu" "$R/model.h5" "$out/model-csv"
+solid_exports "a solid shape"
 tissuectl export results/dome/model.h5 --to vtp --out "$out/model-vtp"
 check "VTK reads the displayed surface of each case" exported law-vtp "$out/model-vtp" "$R/model.h5" "$out/model-csv"
 first=$(basename "$(find "$out/model-vtp" -name '*.vtp' | sort | head -n 1)" .vtp)

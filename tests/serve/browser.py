@@ -14,6 +14,32 @@ FLAT, SOLID = ["--disable-gpu"], ["--use-angle=swiftshader", "--enable-unsafe-sw
 PATIENCE_S = 120  # longest wait; waits take a few seconds at most except in a failing test or on a busy machine
 
 
+failed = 0  # checks
+
+
+def check(sentence, holds, seen=""):
+    global failed
+    failed += not holds
+    print(f"ok - {sentence}" if holds else f"not ok - {sentence}: {seen}", flush=True)
+
+
+def run(test, **options):
+    """Calls test(page, folder) with a new Browser and a temporary folder, and ends all servers. Returns the exit status."""
+    try:
+        page = Browser(**options)
+    except Missing as package:
+        check("a browser is available", False, f"missing package {package}; scripts/install_deps names it")
+        return 1
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            test(page, folder)
+        finally:
+            page.end()
+            for server in Server.started:
+                server.end()
+    return 1 if failed else 0
+
+
 class Missing(Exception):
     """A package that is not installed."""
 
@@ -21,11 +47,14 @@ class Missing(Exception):
 class Server:
     """`tissuectl serve` with these options; port 0: any free port. Its output goes to a file in `folder`."""
 
+    started = []
+
     def __init__(self, program, models, folder, *options, port=0):
         self.log = Path(folder) / "serve.log"
         with open(self.log, "w") as log:
             self.process = subprocess.Popen([program, "serve", *options, "--port", str(port), *models],
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        self.started.append(self)
         self.url = None
         end = time.monotonic() + PATIENCE_S
         while time.monotonic() < end:

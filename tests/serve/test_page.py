@@ -8,14 +8,12 @@ import math
 import random
 import re
 import sys
-import tempfile
 import time
 from pathlib import Path
 
 import h5py
-from browser import PATIENCE_S, Browser, Missing, Server
+from browser import PATIENCE_S, Browser, Server, check, run
 
-failed = 0
 APART = 0.15                             # [m], offset of the second mesh
 PRESSES = 12
 COUNT_POINTERS = """
@@ -25,13 +23,6 @@ COUNT_POINTERS = """
         if (JSON.parse(text).type === "pointer") window.sent.push(performance.now());
         return send.call(this, text);
     };"""
-
-
-def check(sentence, holds, seen=""):
-    global failed
-    failed += not holds
-    print(f"ok - {sentence}" if holds else f"not ok - {sentence}: {seen}", flush=True)
-
 
 force = "Math.hypot(...tissue.force_N || [0])"
 moved = "(tissue.largest_displacement_m || [0])"
@@ -499,40 +490,27 @@ def ending(page, program, models, folder, server):
         again.end()
 
 
-def main():
+def main(page, folder):
     program, *models = sys.argv[1:]
-    try:
-        page = Browser()
-    except Missing as package:
-        check("a browser is available", False, f"missing package {package}; scripts/install_deps names it")
-        return 1
-    with tempfile.TemporaryDirectory() as folder:
-        server = None
-        try:
-            with_a_token(page, program, models, folder)
-            server = Server(program, models, folder, "--clients", "2")
-            page.cdp("Page.addScriptToEvaluateOnNewDocument", source=COUNT_POINTERS)
-            opening(page, server)
-            branches(page)
-            drawing(page)
-            dragging(page)
-            telling_seldom(page)
-            comparing(page, models[0])
-            anywhere(page)
-            standing_still(page)
-            keyboard(page)
-            touching(page)
-            by_night(page)
-            at_ease(page)
-            switching(page)
-            two_users(page, server)
-            ending(page, program, models, folder, server)
-        finally:
-            page.end()
-            if server:
-                server.end()
-    return 1 if failed else 0
+    with_a_token(page, program, models, folder)
+    server = Server(program, models, folder, "--clients", "2")
+    page.cdp("Page.addScriptToEvaluateOnNewDocument", source=COUNT_POINTERS)
+    opening(page, server)
+    branches(page)
+    drawing(page)
+    dragging(page)
+    telling_seldom(page)
+    comparing(page, models[0])
+    anywhere(page)
+    standing_still(page)
+    keyboard(page)
+    touching(page)
+    by_night(page)
+    at_ease(page)
+    switching(page)
+    two_users(page, server)
+    ending(page, program, models, folder, server)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(main))

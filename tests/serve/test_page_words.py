@@ -4,12 +4,10 @@ replaced WebSocket. Prints "ok - sentence" or "not ok - sentence: seen"; exits 1
 import math
 import re
 import sys
-import tempfile
 import time
 
-from browser import Browser, Missing, Server
+from browser import Server, check, run
 
-failed = 0
 SIZE, CELLS, APART = 0.1, 10, 0.15
 CURVE = [[0, 0], [0.005, 1], [0.010, 2.5], [0.015, 4.5]]
 SOCKET = """
@@ -40,12 +38,6 @@ SOCKET = """
             }
         }
     };"""
-
-
-def check(sentence, holds, seen=""):
-    global failed
-    failed += not holds
-    print(f"ok - {sentence}" if holds else f"not ok - {sentence}: {seen}", flush=True)
 
 
 def rotated(angle):
@@ -429,30 +421,17 @@ def taking_over(page):
     page.browser.mouse("Released", 0.006, 0.05)
 
 
-def main():
+def main(browser, folder):
     program, model, *only = sys.argv[1:]
-    try:
-        browser = Browser()
-    except Missing as package:
-        check("a browser is available", False, f"missing package {package}; scripts/install_deps names it")
-        return 1
-    with tempfile.TemporaryDirectory() as folder:
-        server = None
-        try:
-            server = Server(program, [model], folder)
-            browser.cdp("Page.addScriptToEvaluateOnNewDocument", source=SOCKET)
-            page = Page(browser, server.url)
-            for part in (central_sentence, not_a_number, many, left_behind, without_force, limit, relaxing, headings, standing, lost, arrows, snapping, clicking, taking_over):
-                if not only or part.__name__ in only:
-                    part(page)
-            seen = [line for line in browser.complaints() if "getImageData" not in line]
-            check("the console has no warnings or errors", seen == [], seen[:3])
-        finally:
-            browser.end()
-            if server:
-                server.end()
-    return 1 if failed else 0
+    server = Server(program, [model], folder)
+    browser.cdp("Page.addScriptToEvaluateOnNewDocument", source=SOCKET)
+    page = Page(browser, server.url)
+    for part in (central_sentence, not_a_number, many, left_behind, without_force, limit, relaxing, headings, standing, lost, arrows, snapping, clicking, taking_over):
+        if not only or part.__name__ in only:
+            part(page)
+    seen = [line for line in browser.complaints() if "getImageData" not in line]
+    check("the console has no warnings or errors", seen == [], seen[:3])
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(main))

@@ -75,7 +75,7 @@ TEST_CASE("contact parameters at another radius are its start values plus size t
     CHECK_THAT(refusal<MismatchError>([&] { energy_model_at_radius(*solid_model_example(model.mesh).energy_model, 0.006); }), Contains("only a disc of 7 mm"));
 }
 
-TEST_CASE("LawPress of another disc is that of the model at its radius and is made once for all threads", "[solid]") {
+TEST_CASE("IndentationSolver of another disc is that of the model at its radius and is made once for all threads", "[solid]") {
     const TissueModel model = several_discs();
     const IndentationSolver solver(model);
     CHECK(&solver.of(0) == &solver);

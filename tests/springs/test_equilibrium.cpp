@@ -38,6 +38,18 @@ double slack(const std::string& law) {
     return !make_spring_law(law)->linear_in_displacement() ? tolerance::newton : tolerance::solve;
 }
 
+/// Energy of geometric springs of the block [J].
+double geometric_energy(const NodeField& u) {
+    double sum = 0;
+    const Eigen::VectorXd theta = example_theta(block());
+    for (int s = 0; s < block().spring_count(); ++s) {
+        const int i = block().springs(s, 0), j = block().springs(s, 1);
+        const double length = (block().nodes.row(i) + u.row(i) - block().nodes.row(j) - u.row(j)).norm();
+        sum += theta[s] / 2 * std::pow(length - block().rest_length(s), 2);
+    }
+    return sum;
+}
+
 }  // namespace
 
 TEST_CASE("springs in series between support and contact stretch in inverse proportion to their stiffness") {
@@ -111,21 +123,11 @@ TEST_CASE("linear spring laws: contact force times tool displacement is u'Ku; tw
 }
 
 TEST_CASE("geometric springs: the derivative of the energy along the tool displacement is the contact force") {
-    const auto energy = [](const NodeField& u) {
-        double sum = 0;
-        const Eigen::VectorXd theta = example_theta(block());
-        for (int s = 0; s < block().spring_count(); ++s) {
-            const int i = block().springs(s, 0), j = block().springs(s, 1);
-            const double length = (block().nodes.row(i) + u.row(i) - block().nodes.row(j) - u.row(j)).norm();
-            sum += theta[s] / 2 * std::pow(length - block().rest_length(s), 2);
-        }
-        return sum;
-    };
     const Eigen::Vector2d at(0.05, 0.1);
     const double work = rest("geometric", at).contact_force.dot(push);
     const auto error = [&](double h) {
-        const double slope = (energy(rest("geometric", at, (1 + h) * push).displacement) -
-                              energy(rest("geometric", at, (1 - h) * push).displacement)) / (2 * h);
+        const double slope = (geometric_energy(rest("geometric", at, (1 + h) * push).displacement) -
+                              geometric_energy(rest("geometric", at, (1 - h) * push).displacement)) / (2 * h);
         return std::abs(slope - work) / work;
     };
     CHECK(error(0.01) < 1e-4);
@@ -288,27 +290,17 @@ TEST_CASE("a shallow arch snapped through by a strut of prescribed displacement 
 }
 
 TEST_CASE("geometric springs indented deep beside a corner rest at an energy minimum with the contact fixed") {
-    const auto energy = [](const NodeField& u) {
-        double sum = 0;
-        const Eigen::VectorXd theta = example_theta(block());
-        for (int s = 0; s < block().spring_count(); ++s) {
-            const int i = block().springs(s, 0), j = block().springs(s, 1);
-            const double length = (block().nodes.row(i) + u.row(i) - block().nodes.row(j) - u.row(j)).norm();
-            sum += theta[s] / 2 * std::pow(length - block().rest_length(s), 2);
-        }
-        return sum;
-    };
     for (const Eigen::Vector2d& d : {Eigen::Vector2d(-0.012, -0.020), Eigen::Vector2d(0.006, -0.022)}) {
         const Eigen::Vector2d at(0.09, 0.1);
         const SurfacePoint p = locate_on_surface(block(), at);
         const Equilibrium state = rest("geometric", at, d);
-        const double least = energy(state.displacement);
+        const double least = geometric_energy(state.displacement);
         for (int k = 0; k < 200; ++k) {
             NodeField v = scattered(block(), 1e-5);  // the same pattern, moved to other nodes
             for (int i = 0; i < v.rows(); ++i) v.row(i) = (i * (k + 3)) % 7 < 3 ? Eigen::RowVector2d(v.row((i + k) % v.rows())) : Eigen::RowVector2d(0, 0);
             for (int node : block().fixed) v.row(node).setZero();
             v.row(p.node[0]) = -p.weight[1] / p.weight[0] * v.row(p.node[1]);
-            if (v.norm() > 0) CHECK(energy(state.displacement + v) > least);
+            if (v.norm() > 0) CHECK(geometric_energy(state.displacement + v) > least);
         }
     }
 }

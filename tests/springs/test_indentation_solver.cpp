@@ -37,7 +37,7 @@ TEST_CASE("an energy model with too few or too many constants for its mesh is re
     }
 }
 
-TEST_CASE("LawPress gives bit-identical results from several threads and from a new object", "[law]") {
+TEST_CASE("IndentationSolver gives bit-identical results from several threads and from a new object", "[law]") {
     const TissueModel model = plane_model(make_lattice("grid8", 6, 6, 0.1, 0.1), "plane-strain");
     const Outline outline(model.mesh);
     constexpr int count = 24;
@@ -54,7 +54,7 @@ TEST_CASE("LawPress gives bit-identical results from several threads and from a 
     }
 }
 
-TEST_CASE("LawPress returns the solver's status and a result is valid only if balanced", "[law]") {
+TEST_CASE("IndentationSolver returns the solver's status and a result is valid only if balanced", "[law]") {
     const TissueModel model = plane_model(make_lattice("grid8", 10, 10, 0.1, 0.1), "plane-stress");
     const IndentationSolver solver(model);
     const Outline outline(model.mesh);

@@ -111,17 +111,18 @@ TEST_CASE("a model without a required dataset is refused with file and dataset")
     }
 }
 
-TEST_CASE("a model with a dataset of the wrong size is refused with its file") {
+TEST_CASE("a model with a dataset of the wrong size is refused with file and dataset") {
     const TemporaryFolder folder;
     const std::string file = folder.file("model.h5");
     for (const std::string name :
          {"/mesh/node_area", "/mesh/incident_area", "/node_mass", "/heuristic_a", "/heuristic_b", "/cases/magnitude",
           "/trained/spsa/loss", "/trained/spsa/rel_loss", "/trained/spsa/iterations", "/trained/spsa/restarts",
           "/trained/spsa/curve_iteration"}) {
-        INFO(name);
         write_trained_model(file, example(), provenance);
         replace_dataset(file, name, {1, 2, 3});
-        CHECK_THAT(refusal<FileError>([&] { read_trained_model(file); }), Contains("model.h5: "));
+        // any number of points of a curve is possible: the losses at these points then have the wrong size
+        const std::string refused = name == "/trained/spsa/curve_iteration" ? "/trained/spsa/curve_loss" : name;
+        CHECK_THAT(refusal<FileError>([&] { read_trained_model(file); }), Contains("model.h5: " + refused + ": is ") && Contains(", must be "));
     }
 }
 
